@@ -41,9 +41,10 @@ int main(int argc, char** argv) {
   CLI::App app{"Register the phases of a 4D CT and make a model of how the patient breathes.",
                "acus-breathing"};
   auto* from = app.add_option_group("from", "One of");
-  from->add_option("phases", in.phases,
-                   "4D CT: folder of phases (DICOM with temporal position, NIfTI, MetaImage, NRRD)")
-      ->check(CLI::ExistingDirectory);
+  from->add_option(
+          "phases", in.phases,
+          "4D CT: folder of phases (DICOM, NIfTI, MetaImage, NRRD), or a NIfTI file of all")
+      ->check(CLI::ExistingPath);
   auto* given_fields =
       from->add_option("--fields", in.fields, "Folder of displacement fields instead of images")
           ->check(CLI::ExistingDirectory);

@@ -9,7 +9,7 @@
 int main(int argc, char** argv) {
   std::filesystem::path labels, surface, mesh, config_path, folder;
   std::string from, to, probe, tissue = "soft_tissue";
-  bool condenses = false, as_it_is = false;
+  bool condenses = false, as_it_is = false, may_repair = false;
   CLI::App app{
       "Divide a patient into tetrahedra with a tissue each: faces along skin and bone, fine "
       "along the needle's path, bone nodes marked fixed.",
@@ -33,6 +33,9 @@ int main(int argc, char** argv) {
                           ->check(CLI::ExistingFile)
                           ->excludes(labels_option);
   app.add_flag("--as-it-is", as_it_is, "Take a surface that seems to be in metres as it is");
+  app.add_flag(
+      "--repair", may_repair,
+      "Close small cracks and fill the union of overlapping shells; says what was changed");
   app.add_option("--tissue", tissue, "Tissue inside the surface")->capture_default_str();
   app.add_option("--config", config_path,
                  "Settings (format acus-mesh/1); default: the preset meshes/default.json")
@@ -60,6 +63,7 @@ int main(int argc, char** argv) {
     const auto document = acus::config::ReadConfig(config_path, "acus-mesh");
     auto config = acus::meshing::MeshConfigFromJson(document);
     config.as_it_is = as_it_is;
+    config.surface.may_repair = may_repair;
     if (!from.empty()) acus::meshing::SetCorridor(config, from, to);
     if (condenses) {
       acus::meshing::RequestCondensation(config, document, config_path.parent_path(), probe);

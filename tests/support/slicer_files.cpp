@@ -37,6 +37,35 @@ std::string ItkTransformFile(const Eigen::Matrix4d& lps_from_parent, const Eigen
   return ReadTextFile(scratch);
 }
 
+std::string ItkTransformsFile(const std::vector<ItkTransformPart>& parts,
+                              const std::filesystem::path& scratch) {
+  const hid_t file = H5Fcreate(scratch.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t links = H5Pcreate(H5P_LINK_CREATE);
+  H5Pset_create_intermediate_group(links, 1);
+  const hid_t text = H5Tcopy(H5T_C_S1);
+  H5Tset_size(text, H5T_VARIABLE);
+  for (std::size_t n = 0; n < parts.size(); ++n) {
+    const std::string group = "/TransformGroup/" + std::to_string(n) + "/";
+    const hsize_t one = 1;
+    const hid_t space = H5Screate_simple(1, &one, nullptr);
+    const hid_t set = H5Dcreate2(file, (group + "TransformType").c_str(), text, space, links,
+                                 H5P_DEFAULT, H5P_DEFAULT);
+    const char* type = parts[n].type.c_str();
+    EXPECT_GE(H5Dwrite(set, text, H5S_ALL, H5S_ALL, H5P_DEFAULT, &type), 0);
+    H5Dclose(set);
+    H5Sclose(space);
+    if (parts[n].type.starts_with("Composite")) continue;
+    WriteNumbers(file, (group + "TransformParameters").c_str(), parts[n].parameters.data(),
+                 parts[n].parameters.size());
+    WriteNumbers(file, (group + "TransformFixedParameters").c_str(), parts[n].fixed.data(),
+                 parts[n].fixed.size());
+  }
+  H5Tclose(text);
+  H5Pclose(links);
+  H5Fclose(file);
+  return ReadTextFile(scratch);
+}
+
 std::string ZipFile(const std::map<std::string, std::string>& files,
                     const std::filesystem::path& scratch) {
   int error = 0;

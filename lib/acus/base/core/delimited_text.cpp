@@ -118,7 +118,7 @@ struct Unit {
   double amount;  ///< In s, mm, N.
 };
 
-constexpr std::array<Unit, 34> kUnits = {{{"s", 's', 1.0},
+constexpr std::array<Unit, 39> kUnits = {{{"s", 's', 1.0},
                                           {"sec", 's', 1.0},
                                           {"secs", 's', 1.0},
                                           {"second", 's', 1.0},
@@ -146,6 +146,11 @@ constexpr std::array<Unit, 34> kUnits = {{{"s", 's', 1.0},
                                           {"\xC2\xB5m", 'm', 1e-3},
                                           {"\xCE\xBCm", 'm', 1e-3},
                                           {"in", 'm', 25.4},
+                                          {"inch", 'm', 25.4},
+                                          {"inches", 'm', 25.4},
+                                          {"centimeter", 'm', 10.0},
+                                          {"centimeters", 'm', 10.0},
+                                          {"centimetres", 'm', 10.0},
                                           {"n", 'n', 1.0},
                                           {"newton", 'n', 1.0},
                                           {"newtons", 'n', 1.0},

@@ -1,6 +1,8 @@
 #include "acus/data/mesh/surface_formats.h"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdint>
 #include <cstring>
 #include <optional>
@@ -41,6 +43,11 @@ Surface ParseBinaryStl(std::string_view bytes, const std::string& label) {
   return builder.Finish(label);
 }
 
+bool IsWord(std::string_view text, std::string_view word) {
+  return text.size() == word.size() &&
+         std::ranges::equal(text, word, {}, [](unsigned char c) { return std::tolower(c); });
+}
+
 Surface ParseTextStl(std::string_view bytes, const std::string& label) {
   SurfaceBuilder builder;
   TextScanner lines(bytes, label);
@@ -48,18 +55,19 @@ Surface ParseTextStl(std::string_view bytes, const std::string& label) {
   bool is_ended = false;
   while (lines.NextLine()) {
     const std::string_view word = lines.words()[0];
-    if (word == "vertex") {
+    if (IsWord(word, "vertex")) {
       corners.push_back(builder.AddSharedNode(lines.Number(1), lines.Number(2), lines.Number(3)));
-    } else if (word == "endfacet") {
+    } else if (IsWord(word, "endfacet")) {
       ACUS_REQUIRE(corners.size() == 3, lines.Where(), ": a facet has ", corners.size(),
                    " corners; STL allows 3");
       builder.AddTriangle(corners[0], corners[1], corners[2]);
       corners.clear();
-    } else if (word == "solid" || word == "endsolid") {
-      is_ended = word == "endsolid";
+    } else if (IsWord(word, "solid") || IsWord(word, "endsolid")) {
+      is_ended = IsWord(word, "endsolid");
     } else {
-      ACUS_REQUIRE(word == "facet" || word == "outer" || word == "endloop", lines.Where(), ": '",
-                   word.substr(0, 20), "' is not a word of STL text; is the file damaged?");
+      ACUS_REQUIRE(IsWord(word, "facet") || IsWord(word, "outer") || IsWord(word, "endloop"),
+                   lines.Where(), ": '", word.substr(0, 20),
+                   "' is not a word of STL text; is the file damaged?");
     }
   }
   ACUS_REQUIRE(is_ended && corners.empty(), label, ": the text ends before 'endsolid': cut off");
@@ -92,11 +100,11 @@ Surface ParseStl(std::string_view bytes, const std::string& label) {
     std::memcpy(&count, bytes.data() + 80, sizeof count);
     const std::uint64_t expected = kStlHeader + std::uint64_t{count} * kStlTriangle;
     if (expected == bytes.size()) return ParseBinaryStl(bytes, label);
-    ACUS_REQUIRE(bytes.starts_with("solid"), label, ": the header announces ", count,
+    ACUS_REQUIRE(IsWord(bytes.substr(0, 5), "solid"), label, ": the header announces ", count,
                  " triangles (", expected, " bytes), but the file has ", bytes.size(),
-                 " bytes: cut off or not STL");
+                 expected > bytes.size() ? " bytes: cut off or not STL" : " bytes: not STL");
   }
-  ACUS_REQUIRE(bytes.starts_with("solid"), label, ": neither text nor binary STL");
+  ACUS_REQUIRE(IsWord(bytes.substr(0, 5), "solid"), label, ": neither text nor binary STL");
   return ParseTextStl(bytes, label);
 }
 

@@ -1,11 +1,10 @@
 #include "acus/data/transforms/itk_transform_file.h"
 
 #include <Eigen/LU>
-#include <array>
 #include <cmath>
+#include <cstring>
 #include <hdf5.h>
-#include <initializer_list>
-#include <vector>
+#include <utility>
 
 #include "acus/base/core/error.h"
 
@@ -30,54 +29,125 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-/// Reads `count` numbers of the first dataset of these names. Spelled "Tranform" in older files.
-template <std::size_t count>
-std::array<double, count> ReadNumbers(hid_t file, std::initializer_list<const char*> names,
-                                      const std::string& label) {
-  for (const char* name : names) {
-    const Handle dataset(H5Dopen2(file, name, H5P_DEFAULT), H5Dclose);
-    if (!dataset.ok()) continue;
+constexpr std::size_t kMostTransforms = 100;
+constexpr hssize_t kMostNumbers = 64;
+
+/// An HDF5 file in memory.
+class TransformFile {
+ public:
+  TransformFile(std::span<const std::uint8_t> bytes, const std::string& label)
+      : label_(label), image_(bytes.begin(), bytes.end()), file_(Open(image_, label), H5Fclose) {
+    ACUS_REQUIRE(file_.ok(), label, ": is not an HDF5 file, or it is damaged");
+  }
+
+  bool HasTransform(std::size_t number) const {
+    const std::string group = Message("/TransformGroup/", number);
+    return H5Lexists(file_, "/TransformGroup", H5P_DEFAULT) > 0 &&
+           H5Lexists(file_, group.c_str(), H5P_DEFAULT) > 0;
+  }
+
+  /// The numbers of a dataset of a transform. Spelled "Tranform" in older files.
+  std::vector<double> Numbers(std::size_t transform, const std::string& what) const {
+    for (const char* spelling : {"Transform", "Tranform"}) {
+      const std::string name = Message("/TransformGroup/", transform, "/", spelling, what);
+      const Handle dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+      if (dataset.ok()) return Read(dataset, name);
+    }
+    throw InputError(Message(label_, ": has no /TransformGroup/", transform, "/Transform", what,
+                             "; it is not an ITK transform file, or it is damaged"));
+  }
+
+  /// The kind of a transform.
+  std::string Type(std::size_t transform) const {
+    const std::string name = Message("/TransformGroup/", transform, "/TransformType");
+    const Handle dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    ACUS_REQUIRE(dataset.ok(), label_, ": has no ", name, "; it is not an ITK transform file");
+    const Handle space(H5Dget_space(dataset), H5Sclose);
+    const Handle type(H5Dget_type(dataset), H5Tclose);
+    ACUS_REQUIRE(space.ok() && type.ok() && H5Tget_class(type) == H5T_STRING &&
+                     H5Sget_simple_extent_npoints(space) == 1,
+                 label_, ": ", name, " is not a text; the file is damaged");
+    std::string text;
+    if (H5Tis_variable_str(type) > 0) {
+      char* read = nullptr;
+      if (H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, static_cast<void*>(&read)) >= 0 &&
+          read != nullptr) {
+        text.assign(read, strnlen(read, kLongestType));
+      }
+      H5Dvlen_reclaim(type, space, H5P_DEFAULT, static_cast<void*>(&read));
+    } else if (const std::size_t size = H5Tget_size(type); size <= kLongestType) {
+      text.resize(size);
+      if (H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) < 0) text.clear();
+      text.resize(strnlen(text.data(), text.size()));
+    }
+    ACUS_REQUIRE(!text.empty(), label_, ": ", name, " cannot be read; the file is damaged");
+    return text;
+  }
+
+ private:
+  static constexpr std::size_t kLongestType = 200;
+
+  static hid_t Open(std::vector<std::uint8_t>& image, const std::string& label) {
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // Its own messages would go to stderr.
+    H5PLset_loading_state(0);                     // A file must not make us load code.
+    const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    ACUS_REQUIRE(access.ok() && H5Pset_fapl_core(access, 1U << 16U, /*backing_store=*/0) >= 0,
+                 "HDF5 cannot be started");
+    ACUS_REQUIRE(H5Pset_file_image(access, image.data(), image.size()) >= 0, label, ": is empty");
+    return H5Fopen("transform", H5F_ACC_RDONLY, access);
+  }
+
+  std::vector<double> Read(hid_t dataset, const std::string& name) const {
     const Handle space(H5Dget_space(dataset), H5Sclose);
     const Handle type(H5Dget_type(dataset), H5Tclose);
     const Handle layout(H5Dget_create_plist(dataset), H5Pclose);
-    ACUS_REQUIRE(space.ok() && type.ok() && layout.ok() && H5Tget_class(type) == H5T_FLOAT &&
-                     H5Pget_external_count(layout) == 0 &&
-                     H5Sget_simple_extent_npoints(space) == static_cast<hssize_t>(count),
-                 label, ": ", name, " is not ", count,
-                 " numbers; only one affine 3D transform is read");
-    std::array<double, count> numbers{};
-    ACUS_REQUIRE(
-        H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()) >= 0,
-        label, ": ", name, " cannot be read; the file is damaged");
+    const hssize_t count = space.ok() ? H5Sget_simple_extent_npoints(space) : -1;
+    ACUS_REQUIRE(type.ok() && layout.ok() && H5Tget_class(type) == H5T_FLOAT &&
+                     H5Pget_external_count(layout) == 0 && count >= 0 && count <= kMostNumbers,
+                 label_, ": ", name, " is not a list of up to ", kMostNumbers,
+                 " numbers; rigid and affine transforms are read, no B-splines or fields");
+    std::vector<double> numbers(static_cast<std::size_t>(count));
+    ACUS_REQUIRE(count == 0 || H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                                       numbers.data()) >= 0,
+                 label_, ": ", name, " cannot be read; the file is damaged");
     for (const double number : numbers) {
-      ACUS_REQUIRE(std::isfinite(number), label, ": ", name, " has a value that is not finite");
+      ACUS_REQUIRE(std::isfinite(number), label_, ": ", name, " has a value that is not finite");
     }
     return numbers;
   }
-  throw InputError(Message(label, ": has no ", *names.begin(),
-                           "; it is not an ITK transform file, or "
-                           "it is damaged"));
-}
+
+  const std::string& label_;
+  std::vector<std::uint8_t> image_;
+  Handle file_;
+};
 
 }  // namespace
 
+std::vector<ItkTransform> ReadItkTransforms(std::span<const std::uint8_t> bytes,
+                                            const std::string& label) {
+  const TransformFile file(bytes, label);
+  std::vector<ItkTransform> transforms;
+  while (file.HasTransform(transforms.size())) {
+    const std::size_t number = transforms.size();
+    ACUS_REQUIRE(number < kMostTransforms, label, ": more than ", kMostTransforms, " transforms");
+    ItkTransform transform{.type = file.Type(number), .parameters = {}, .fixed = {}};
+    if (!transform.type.starts_with("Composite")) {
+      transform.parameters = file.Numbers(number, "Parameters");
+      transform.fixed = file.Numbers(number, "FixedParameters");
+    }
+    transforms.push_back(std::move(transform));
+  }
+  ACUS_REQUIRE(!transforms.empty(), label,
+               ": has no /TransformGroup/0; it is not an ITK transform file, or it is damaged");
+  return transforms;
+}
+
 Eigen::Matrix4d ReadItkAffine(std::span<const std::uint8_t> bytes, const std::string& label) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // Its own messages would go to stderr.
-  H5PLset_loading_state(0);                     // A file must not make us load code.
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  ACUS_REQUIRE(access.ok() && H5Pset_fapl_core(access, 1U << 16U, /*backing_store=*/0) >= 0,
-               "HDF5 cannot be started");
-  std::vector<std::uint8_t> image(bytes.begin(), bytes.end());
-  ACUS_REQUIRE(H5Pset_file_image(access, image.data(), image.size()) >= 0, label, ": is empty");
-  const Handle file(H5Fopen("transform", H5F_ACC_RDONLY, access), H5Fclose);
-  ACUS_REQUIRE(file.ok(), label, ": is not an HDF5 file, or it is damaged");
-  const auto p = ReadNumbers<12>(
-      file, {"/TransformGroup/0/TransformParameters", "/TransformGroup/0/TranformParameters"},
-      label);
-  const auto c = ReadNumbers<3>(
-      file,
-      {"/TransformGroup/0/TransformFixedParameters", "/TransformGroup/0/TranformFixedParameters"},
-      label);
+  const TransformFile file(bytes, label);
+  const auto p = file.Numbers(0, "Parameters");
+  const auto c = file.Numbers(0, "FixedParameters");
+  ACUS_REQUIRE(p.size() == 12 && c.size() == 3, label, ": has ", p.size(), " and ", c.size(),
+               " numbers; only one affine 3D transform is read, of 12 numbers and 3");
   const Eigen::Vector3d centre(c[0], c[1], c[2]);
   Eigen::Matrix4d affine = Eigen::Matrix4d::Identity();
   affine.topLeftCorner<3, 3>() =

@@ -1,12 +1,27 @@
-// Affine transforms in ITK's HDF5 files, as 3D Slicer saves them.
+// Transforms in ITK's HDF5 files, as ITK, ANTs and 3D Slicer save them.
 #pragma once
 
 #include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace acus::transforms {
+
+/// One transform of a file: a kind of ITK such as AffineTransform_double_3_3, and its numbers.
+struct ItkTransform {
+  std::string type;
+  std::vector<double> parameters;
+  std::vector<double> fixed;
+};
+
+/// All transforms of an ITK transform file (.h5) that was read into memory, in its order. A
+/// composite transform is the first, without numbers, before its parts.
+/// @throws InputError naming `label` if the bytes are not such a file, or a transform has more than
+///     64 numbers, as B-splines and displacement fields have.
+std::vector<ItkTransform> ReadItkTransforms(std::span<const std::uint8_t> bytes,
+                                            const std::string& label);
 
 /// The affine transform of an ITK transform file (.h5) that was read into memory. ITK works in LPS
 /// and its transforms resample: this maps points of the parent frame to the node's own frame, mm.

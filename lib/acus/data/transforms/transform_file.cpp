@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "acus/base/core/atomic_file.h"
@@ -12,6 +13,7 @@
 #include "acus/base/core/number_text.h"
 #include "acus/base/core/words.h"
 #include "acus/base/math/rigid.h"
+#include "acus/data/transforms/itk_transform_file.h"
 
 namespace acus::transforms {
 namespace {
@@ -52,16 +54,10 @@ Eigen::Isometry3d RigidWithin(const Matrix4d& matrix, const std::string& label) 
   return math::IsRigid(matrix, 1e-14) ? Eigen::Isometry3d(matrix) : math::RigidFromMatrix(matrix);
 }
 
-/// One "Transform:" block of a file.
-struct Block {
-  std::string type;
-  std::optional<std::vector<double>> parameters;
-  std::optional<std::vector<double>> fixed;
-};
-
-/// The blocks of a file: one, or a composite transform and its parts.
-std::vector<Block> ReadBlocks(std::string_view text, const std::string& file) {
-  std::vector<Block> blocks;
+/// The transforms of a text file: one, or a composite transform and its parts.
+std::vector<ItkTransform> TextTransforms(std::string_view text, const std::string& file) {
+  std::vector<ItkTransform> blocks;
+  std::vector<std::pair<bool, bool>> has_numbers;  // Parameters, fixed parameters.
   int line_number = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
@@ -80,21 +76,24 @@ std::vector<Block> ReadBlocks(std::string_view text, const std::string& file) {
                    ": a second transform; save the one that is meant (in Slicer: harden it first)");
       ACUS_REQUIRE(blocks.size() < kMostParts, where, ": more than ", kMostParts, " transforms");
       blocks.emplace_back().type = value;
+      has_numbers.emplace_back();
     } else if (!blocks.empty() && key == "Parameters") {
       blocks.back().parameters = Numbers(value, where);
+      has_numbers.back().first = true;
     } else if (!blocks.empty() && key == "FixedParameters") {
       blocks.back().fixed = Numbers(value, where);
+      has_numbers.back().second = true;
     } else {
       throw InputError(Message(where, ": unknown key '", key.substr(0, 40),
                                "'; Transform, Parameters and FixedParameters are known"));
     }
   }
-  const bool is_composite = !blocks.empty() && blocks.front().type.starts_with(kComposite);
-  if (is_composite) blocks.erase(blocks.begin());
-  const auto is_complete = [](const Block& block) { return block.parameters && block.fixed; };
-  ACUS_REQUIRE(!blocks.empty() && std::ranges::all_of(blocks, is_complete), file,
-               ": has no complete transform; each needs the lines Transform, Parameters and "
-               "FixedParameters");
+  for (std::size_t n = 0; n < blocks.size(); ++n) {
+    const bool is_composite = n == 0 && blocks[n].type.starts_with(kComposite);
+    ACUS_REQUIRE(is_composite || (has_numbers[n].first && has_numbers[n].second), file,
+                 ": has no complete transform; each needs the lines Transform, Parameters and "
+                 "FixedParameters");
+  }
   return blocks;
 }
 
@@ -119,8 +118,8 @@ struct Parts {
   Vector3d translation = Vector3d::Zero();
 };
 
-Parts PartsOf(const Block& block, const std::string& file) {
-  const std::vector<double>& p = *block.parameters;
+Parts PartsOf(const ItkTransform& block, const std::string& file) {
+  const std::vector<double>& p = block.parameters;
   const auto require_count = [&](std::size_t count) {
     ACUS_REQUIRE(p.size() == count, file, ": ", block.type, " needs ", count, " parameters, got ",
                  p.size());
@@ -134,7 +133,7 @@ Parts PartsOf(const Block& block, const std::string& file) {
     parts.translation = vector_at(9);
   } else if (is("Euler3DTransform_")) {
     require_count(6);
-    const bool zyx = block.fixed->size() >= 4 && (*block.fixed)[3] != 0.0;
+    const bool zyx = block.fixed.size() >= 4 && block.fixed[3] != 0.0;
     parts.matrix = FromEuler(vector_at(0), zyx);
     parts.translation = vector_at(3);
   } else if (is("VersorRigid3DTransform_")) {
@@ -159,12 +158,12 @@ Parts PartsOf(const Block& block, const std::string& file) {
   return parts;
 }
 
-Matrix4d MatrixOf(const Block& block, const std::string& file) {
+Matrix4d MatrixOf(const ItkTransform& block, const std::string& file) {
   ACUS_REQUIRE(block.type.ends_with("_3_3"), file, ": transform '", block.type.substr(0, 60),
                "' is not three-dimensional");
   const Parts parts = PartsOf(block, file);
   Vector3d centre = Vector3d::Zero();
-  if (block.fixed->size() >= 3) centre = Vector3d(block.fixed->data());
+  if (block.fixed.size() >= 3) centre = Vector3d(block.fixed.data());
   Matrix4d matrix = Matrix4d::Identity();
   matrix.topLeftCorner<3, 3>() = parts.matrix;
   matrix.topRightCorner<3, 1>() = parts.translation + centre - parts.matrix * centre;
@@ -172,9 +171,14 @@ Matrix4d MatrixOf(const Block& block, const std::string& file) {
 }
 
 /// A composite transform applies the last of its parts first, as ITK does.
-Eigen::Isometry3d Parse(std::string_view text, const std::string& file) {
+Eigen::Isometry3d Composed(std::vector<ItkTransform> transforms, const std::string& file) {
+  const bool is_composite = !transforms.empty() && transforms.front().type.starts_with(kComposite);
+  if (is_composite) transforms.erase(transforms.begin());
+  ACUS_REQUIRE(!transforms.empty(), file, ": has no transform");
+  ACUS_REQUIRE(is_composite || transforms.size() == 1, file, ": holds ", transforms.size(),
+               " transforms; save the one that is meant");
   Matrix4d matrix = Matrix4d::Identity();
-  for (const Block& block : ReadBlocks(text, file)) matrix = matrix * MatrixOf(block, file);
+  for (const ItkTransform& part : transforms) matrix = matrix * MatrixOf(part, file);
   return RigidWithin(matrix, file);
 }
 
@@ -197,9 +201,11 @@ void WriteTransform(const std::filesystem::path& path, const Eigen::Isometry3d& 
 
 Eigen::Isometry3d ReadTransform(const std::filesystem::path& path) {
   const std::string text = ReadTextFile(path);
-  if (text.starts_with(kMagic)) return Parse(text, path.string());
-  ACUS_REQUIRE(!text.starts_with("\x89HDF"), path.string(),
-               ": is an HDF5 transform; save it as text (.tfm or .txt)");
+  if (text.starts_with(kMagic)) return Composed(TextTransforms(text, path.string()), path.string());
+  if (text.starts_with("\x89HDF")) {
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(text.data());
+    return Composed(ReadItkTransforms({bytes, text.size()}, path.string()), path.string());
+  }
   return ParseRigidMatrix(text, path.string());
 }
 

@@ -18,7 +18,8 @@ void WriteTransform(const std::filesystem::path& path, const Eigen::Isometry3d& 
                     std::string_view comment);
 
 /// Reads what WriteTransform wrote (same bits), and other rigid ITK text transforms: Affine and
-/// MatrixOffset, Euler3D, VersorRigid3D, QuaternionRigid, Translation, Identity; with their centre.
+/// MatrixOffset, Euler3D, VersorRigid3D, QuaternionRigid, Translation, Identity; with their centre,
+/// and composites of them. The same kinds are read from ITK's HDF5 files (.h5).
 /// A file of 16 plain numbers (4 x 4, row by row) is read too.
 /// @throws InputError with file and line if it is broken, not rigid to within 1e-3, or holds
 ///     several transforms.

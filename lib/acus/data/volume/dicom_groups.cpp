@@ -21,6 +21,9 @@ constexpr double kNotedAxes = 2e-4;    ///< rad. Smaller ones are rounding.
 constexpr double kSameSpacing = 1e-3;  ///< Relative.
 constexpr double kSamePlaceMm = 1e-3;
 constexpr std::size_t kFewestSlices = 3;  ///< Of a volume.
+constexpr double kSameStep = 0.02;        ///< Between slices, relative.
+constexpr double kRoundedStepMm = 0.21;   ///< Steps that differ by less may be rounded.
+constexpr double kMostMissing = 4.5;      ///< Steps of a gap in which slices are missing.
 
 using Headers = std::vector<DicomHeader>;
 
@@ -198,6 +201,42 @@ std::vector<Part> PartsByOrder(const Headers& stack) {
   return parts;
 }
 
+/// Blocks of evenly spaced slices, of a scan whose step changes or that was interrupted. Nothing
+/// for one block, and for a gap of a few whole steps: there slices are missing.
+std::vector<Part> BlocksOf(const Headers& stack) {
+  if (stack.size() < 2 * kFewestSlices) return {};
+  std::vector<double> steps;
+  for (std::size_t n = 1; n < stack.size(); ++n) {
+    steps.push_back(Along(stack[n]) - Along(stack[n - 1]));
+  }
+  if (std::ranges::min(steps) < kSamePlaceMm) return {};
+  const auto is_same = [](double a, double b) { return std::abs(a - b) <= kSameStep * b + 0.01; };
+  std::vector<std::size_t> begins = {0};
+  bool is_block = false;
+  for (std::size_t n = 0; n < steps.size(); ++n) {
+    const double step = steps[begins.back()];
+    if (is_same(steps[n], step)) continue;
+    if (std::abs(steps[n] - step) < kRoundedStepMm || n + 1 >= steps.size() ||
+        n + 1 < begins.back() + kFewestSlices) {
+      return {};
+    }
+    const double next = steps[n + 1];
+    const double gap = steps[n] / step;
+    is_block = is_block || !is_same(next, step) || gap > kMostMissing || gap < 1.0 ||
+               std::abs(gap - std::round(gap)) > kSameStep;
+    begins.push_back(n + 1);
+  }
+  if (!is_block || stack.size() < begins.back() + kFewestSlices) return {};
+  std::vector<Part> blocks;
+  for (std::size_t b = 0; b < begins.size(); ++b) {
+    const auto end =
+        b + 1 < begins.size() ? stack.begin() + std::ptrdiff_t(begins[b + 1]) : stack.end();
+    blocks.push_back({Message("block ", b + 1, " of ", begins.size()),
+                      Headers(stack.begin() + std::ptrdiff_t(begins[b]), end)});
+  }
+  return blocks;
+}
+
 /// The one text that all headers have; empty if they differ.
 std::string CommonText(const Headers& headers, std::string DicomHeader::*text) {
   for (const DicomHeader& header : headers) {
@@ -231,6 +270,11 @@ std::vector<Part> PartsOf(Headers stack, std::vector<std::string>& notes) {
       notes.push_back(Message("the series holds ", parts.size(), " volumes, split by ", by));
       return parts;
     }
+  }
+  if (auto blocks = stack.front().is_placed ? BlocksOf(stack) : std::vector<Part>();
+      !blocks.empty()) {
+    notes.push_back(Message("the series holds ", blocks.size(), " blocks of slices"));
+    return blocks;
   }
   std::vector<Part> one(1);
   one[0].headers = std::move(stack);

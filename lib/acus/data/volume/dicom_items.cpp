@@ -13,9 +13,10 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Sequences that a file with implicit types does not mark as such.
-constexpr std::array<std::uint32_t, 14> kSequenceTags = {
+constexpr std::array<std::uint32_t, 19> kSequenceTags = {
     0x00082218U, 0x00082220U, 0x00209111U, 0x00289145U, 0x00209113U, 0x00209116U, 0x00289110U,
-    0x00620002U, 0x00620003U, 0x0062000AU, 0x0062000FU, 0x00620011U, 0x52009229U, 0x52009230U};
+    0x00620002U, 0x00620003U, 0x0062000AU, 0x0062000FU, 0x00620011U, 0x30060020U, 0x30060039U,
+    0x30060040U, 0x30060080U, 0x30060086U, 0x52009229U, 0x52009230U};
 
 class ItemParser {
  public:

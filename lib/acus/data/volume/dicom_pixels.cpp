@@ -1,10 +1,12 @@
 #include "acus/data/volume/dicom_pixels.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <gdcmImageReader.h>
+#include <gdcmJPEG12Codec.h>
 #include <gdcmTrace.h>
 #include <sstream>
 
@@ -16,6 +18,7 @@ namespace acus::volume {
 namespace {
 
 constexpr double kLowestHu = -1024.0;
+constexpr const char* kDicomJpegExtended = "1.2.840.10008.1.2.4.51";
 constexpr double kMaxPlausibleHu = 3072.0;  ///< A padding value above this is not tissue.
 
 /// The bytes of the pixel data element, or of its whole sequence of fragments.
@@ -100,6 +103,76 @@ std::int32_t WithoutHighBits(std::int32_t whole, unsigned unused, const DicomHea
   return is_negative ? low - (1 << bits) : low;
 }
 
+/// The frames of encapsulated pixels (PS3.5 A.4): one fragment each, or all of a single frame.
+/// Nothing if they do not fit each other.
+std::vector<std::string> FrameFragments(const std::string& fragments, int num_frames) {
+  const DicomBytes bytes(reinterpret_cast<const std::uint8_t*>(fragments.data()), fragments.size());
+  std::vector<std::string> items;
+  for (std::size_t at = 0; at + 8 <= bytes.size() && DicomTag(bytes, at) == kDicomItem;) {
+    const std::size_t length = DicomU32(bytes, at + 4);
+    if (length > bytes.size() - at - 8) return {};
+    items.push_back(fragments.substr(at + 8, length));
+    at += 8 + length;
+  }
+  if (items.empty()) return {};
+  items.erase(items.begin());  // The table of offsets.
+  if (num_frames == 1) {
+    std::string all;
+    for (const std::string& item : items) all += item;
+    return {all};
+  }
+  return items.size() == static_cast<std::size_t>(num_frames) ? items : std::vector<std::string>();
+}
+
+void RequireFrames(const DicomHeader& header, bool fits) {
+  ACUS_REQUIRE(fits, header.file.string(),
+               ": its compressed pixels do not fit its header; the file is broken");
+}
+
+/// What the frame header of lossy JPEG says (ITU T.81, B.2.2); zeros if there is none.
+struct JpegFrame {
+  int precision = 0;
+  int lines = 0;
+  int columns = 0;
+};
+
+JpegFrame JpegFrameOf(const std::string& stream) {
+  const auto byte = [&](std::size_t at) { return static_cast<std::uint8_t>(stream[at]); };
+  const auto word = [&](std::size_t at) { return byte(at) << 8 | byte(at + 1); };
+  for (std::size_t at = 2; at + 8 < stream.size() && byte(at) == 0xFF;) {
+    if (byte(at + 1) == 0xC0 || byte(at + 1) == 0xC1) {
+      return {.precision = byte(at + 4), .lines = word(at + 5), .columns = word(at + 7)};
+    }
+    at += 2U + static_cast<std::size_t>(word(at + 2));
+  }
+  return {};
+}
+
+/// Extended JPEG of 12 bits. GDCM's reader would try its decoder of 16 bits first, which writes a
+/// line to stderr for each image before the one of 12 bits is chosen. Empty if it is not that.
+std::string DecodedJpeg12(const DicomHeader& header, const std::string& fragments) {
+  if (header.transfer_syntax != kDicomJpegExtended || header.bits_allocated != 16) return {};
+  std::string raw;
+  for (const std::string& frame : FrameFragments(fragments, header.num_frames)) {
+    const JpegFrame stated = JpegFrameOf(frame);
+    if (stated.precision != 12) return {};
+    RequireFrames(header, stated.columns == header.columns && stated.lines == header.rows);
+    const std::array<unsigned, 3> size = {static_cast<unsigned>(header.columns),
+                                          static_cast<unsigned>(header.rows), 1};
+    gdcm::JPEG12Codec codec;
+    codec.SetDimensions(size.data());
+    codec.SetPixelFormat(gdcm::PixelFormat(1, 16, static_cast<std::uint16_t>(header.bits_stored),
+                                           static_cast<std::uint16_t>(header.bits_stored - 1),
+                                           header.is_signed ? 1 : 0));
+    std::istringstream in(frame);
+    std::ostringstream out;
+    ACUS_REQUIRE(codec.DecodeByStreams(in, out), header.file.string(),
+                 ": its compressed pixels are broken; copy or export the file again");
+    raw += out.str();
+  }
+  return raw;
+}
+
 }  // namespace
 
 std::string DecodedFrames(const DicomHeader& header, const std::string& fragments) {
@@ -107,6 +180,15 @@ std::string DecodedFrames(const DicomHeader& header, const std::string& fragment
   gdcm::Trace::DebugOff();
   gdcm::Trace::WarningOff();
   gdcm::Trace::ErrorOff();
+  const auto count = static_cast<std::size_t>(header.columns) *
+                     static_cast<std::size_t>(header.rows) *
+                     static_cast<std::size_t>(header.num_frames);
+  const std::size_t num_bytes = count * (static_cast<std::size_t>(header.bits_allocated) / 8U);
+  RequireMemory(static_cast<double>(num_bytes), static_cast<double>(fragments.size()), name);
+  if (std::string raw = DecodedJpeg12(header, fragments); !raw.empty()) {
+    RequireFrames(header, raw.size() == num_bytes);
+    return raw;
+  }
   std::istringstream stream(MinimalDicom(header, fragments).bytes());
   gdcm::ImageReader reader;
   reader.SetStream(stream);
@@ -115,15 +197,9 @@ std::string DecodedFrames(const DicomHeader& header, const std::string& fragment
                "); the file is broken or the compression is not known. "
                "Try dcmdjpeg or gdcmconv --raw on the series");
   const gdcm::Image& image = reader.GetImage();
-  const auto count = static_cast<std::size_t>(header.columns) *
-                     static_cast<std::size_t>(header.rows) *
-                     static_cast<std::size_t>(header.num_frames);
-  RequireMemory(static_cast<double>(count) * header.bits_allocated / 8.0,
-                static_cast<double>(fragments.size()), name);
-  ACUS_REQUIRE(image.GetDimension(0) == static_cast<unsigned>(header.columns) &&
-                   image.GetDimension(1) == static_cast<unsigned>(header.rows) &&
-                   image.GetBufferLength() == count * (header.bits_allocated / 8U),
-               name, ": its compressed pixels do not fit its header; the file is broken");
+  RequireFrames(header, image.GetDimension(0) == static_cast<unsigned>(header.columns) &&
+                            image.GetDimension(1) == static_cast<unsigned>(header.rows) &&
+                            image.GetBufferLength() == num_bytes);
   std::string raw(image.GetBufferLength(), '\0');
   ACUS_REQUIRE(image.GetBuffer(raw.data()), name,
                ": its compressed pixels are broken; copy or export the file again");

@@ -13,7 +13,8 @@ DisplacementField ReadDisplacementField(const std::filesystem::path& path) {
   const ScalarFile file = ReadVectorFile(path);
   ACUS_REQUIRE(file.type == ScalarType::kFloat32 || file.type == ScalarType::kFloat64,
                path.string(), ": displacements must be floating-point numbers, in mm");
-  DisplacementField field{.geometry = file.geometry, .displacement_in_ct_mm = {}};
+  DisplacementField field{
+      .geometry = file.geometry, .displacement_in_ct_mm = {}, .notes = file.notes};
   field.displacement_in_ct_mm.resize(3 * file.geometry.num_voxels());
   if (file.type == ScalarType::kFloat32) {
     std::memcpy(field.displacement_in_ct_mm.data(), file.bytes.data(), file.bytes.size());

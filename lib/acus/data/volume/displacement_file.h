@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "acus/data/volume/geometry.h"
@@ -12,6 +13,7 @@ namespace acus::volume {
 struct DisplacementField {
   Geometry geometry;
   std::vector<float> displacement_in_ct_mm;  ///< (x, y, z) of each voxel, i fastest.
+  std::vector<std::string> notes = {};       ///< What was assumed when it was read.
 };
 
 /// Reads NIfTI, NRRD or MetaImage with vectors of three floats or doubles.

@@ -309,7 +309,7 @@ void CheckMetaImageHeader(const fs::path& path, int channels) {
   }
 }
 
-void CheckNiftiHeader(const fs::path& path, int channels) {
+void CheckNiftiHeader(const fs::path& path, int channels, bool one_of_several) {
   const NiftiHeader header = ReadNiftiHeader(path);
   const auto num_dimensions = header.At<std::int16_t>(40);
   ACUS_REQUIRE(num_dimensions >= 1 && num_dimensions <= 7, path.string(), ": dim[0] is ",
@@ -325,8 +325,9 @@ void CheckNiftiHeader(const fs::path& path, int channels) {
                  channels, " numbers for each voxel; it is not a displacement field");
     sizes.pop_back();
   }
-  ACUS_REQUIRE(sizes.size() == 3, path.string(), ": holds ", sizes.back(),
-               " volumes over time or channels; export a single one");
+  const double volumes = sizes.size() == 4 ? sizes.back() : 1.0;
+  ACUS_REQUIRE(volumes == 1.0 || (one_of_several && NiftiVolumes(header) == volumes), path.string(),
+               ": holds ", volumes, " volumes over time or channels; export a single one");
   for (std::size_t d = 1; d <= 3; ++d) {
     const auto spacing = header.At<float>(76 + 4 * d);
     ACUS_REQUIRE(std::isfinite(spacing) && std::abs(spacing) > 1e-4F && std::abs(spacing) < 1e4F,
@@ -346,8 +347,9 @@ void CheckNiftiHeader(const fs::path& path, int channels) {
   ACUS_REQUIRE(bytes_each > 0 && header.At<std::int16_t>(72) == 8 * bytes_each, path.string(),
                ": datatype ", header.At<std::int16_t>(70), " with ", header.At<std::int16_t>(72),
                " bits per voxel is not a plain number; save it as 16-bit integers");
-  const double needed = offset + bytes_each * channels * sizes[0] * sizes[1] * sizes[2];
-  RequireMemory(needed, static_cast<double>(fs::file_size(path)), path.string());
+  const double one = bytes_each * channels * sizes[0] * sizes[1] * sizes[2];
+  const double needed = offset + volumes * one;
+  RequireMemory(offset + one, static_cast<double>(fs::file_size(path)), path.string());
   if (path.extension() == ".gz") {
     RequireBytes(fs::file_size(path) * kMostDeflateRatio, needed, path);
     RequireBytes(InflatedBytes(path, 0, fs::file_size(path)), needed, path);
@@ -401,6 +403,18 @@ double NrrdMillimetresPerUnit(const fs::path& path) {
     unit = factor;
   }
   return unit.value_or(1.0);
+}
+
+std::string NrrdSpace(const fs::path& path) {
+  std::string space = NrrdFields(path)["space"];
+  std::ranges::transform(space, space.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (const auto at = space.find("-time"); at != space.npos) space.erase(at);
+  for (const auto& [letters, words] : {std::pair{"ras", "right-anterior-superior"},
+                                       {"las", "left-anterior-superior"},
+                                       {"lps", "left-posterior-superior"}}) {
+    if (space == letters || space == words) return words;
+  }
+  return {};
 }
 
 int NrrdLayers(const fs::path& path) {

@@ -185,27 +185,46 @@ double SkewOf(const Form& form, const fs::path& path) {
   return gram.cwiseAbs().maxCoeff();
 }
 
-std::unique_ptr<Temporary> CopyWith(const NiftiHeader& header, const fs::path& path) {
+/// Makes the header one of the part alone. Returns the bytes of the part, and those before it.
+std::pair<z_off_t, z_off_t> SetPart(NiftiHeader& header, const NiftiPart& part) {
+  z_off_t bytes = header.At<std::int16_t>(72) / 8 * part.channels;
+  for (std::size_t d = 1; d <= 3; ++d) bytes *= header.At<std::int16_t>(40 + 2 * d);
+  header.Set<std::int16_t>(40, part.channels == 1 ? 3 : 5);
+  for (std::size_t d = 4; d <= 7; ++d) header.Set<std::int16_t>(40 + 2 * d, 1);
+  if (part.channels > 1) {
+    constexpr std::int16_t kVector = 1007;
+    header.Set(50, static_cast<std::int16_t>(part.channels));
+    header.Set(68, kVector);
+  }
+  return {bytes, bytes * part.volume};
+}
+
+std::unique_ptr<Temporary> CopyWith(NiftiHeader header, const NiftiPart& part,
+                                    const fs::path& path) {
   static std::atomic<int> count{0};
   auto copy = std::make_unique<Temporary>(
       fs::temp_directory_path() / Message(".acus-", getpid(), "-", count.fetch_add(1), ".nii"));
-  const auto begin = static_cast<z_off_t>(header.At<float>(108));
-  NiftiHeader written = header;
-  written.Set(108, 352.0F);
-  std::fill(written.bytes.begin() + 348, written.bytes.end(), std::uint8_t{0});
+  const auto [size, before] = SetPart(header, part);
+  const auto begin = static_cast<z_off_t>(header.At<float>(108)) + before;
+  header.Set(108, 352.0F);
+  std::fill(header.bytes.begin() + 348, header.bytes.end(), std::uint8_t{0});
   gzFile in = gzopen(path.c_str(), "rb");  // Reads plain files too.
   ACUS_REQUIRE(in != nullptr, path.string(), ": cannot be read");
   std::ofstream out(copy->path(), std::ios::binary);
-  out.write(reinterpret_cast<const char*>(written.bytes.data()),
-            static_cast<std::streamsize>(written.bytes.size()));
+  out.write(reinterpret_cast<const char*>(header.bytes.data()),
+            static_cast<std::streamsize>(header.bytes.size()));
   std::vector<char> block(1U << 20U);
-  int got = gzseek(in, begin, SEEK_SET) == begin ? 1 : -1;
-  while (got > 0 && (got = gzread(in, block.data(), static_cast<unsigned>(block.size()))) > 0) {
+  z_off_t left = gzseek(in, begin, SEEK_SET) == begin ? size : -1;
+  while (left > 0) {
+    const z_off_t wanted = std::min<z_off_t>(left, static_cast<z_off_t>(block.size()));
+    const int got = gzread(in, block.data(), static_cast<unsigned>(wanted));
+    if (got <= 0) break;
     out.write(block.data(), got);
+    left -= got;
   }
   gzclose(in);
   out.close();
-  ACUS_REQUIRE(got == 0 && out, path.string(), ": cannot be copied to ",
+  ACUS_REQUIRE(left == 0 && out, path.string(), ": cannot be copied to ",
                fs::temp_directory_path().string(), "; is the disk full?");
   return copy;
 }
@@ -234,7 +253,13 @@ NiftiHeader ReadNiftiHeader(const fs::path& path) {
   return header;
 }
 
-std::unique_ptr<Temporary> ReadableNifti(const fs::path& path, std::vector<std::string>& notes) {
+int NiftiVolumes(const NiftiHeader& header) {
+  if (header.At<std::int16_t>(40) < 4) return 1;
+  return std::max<int>(1, header.At<std::int16_t>(48));
+}
+
+std::unique_ptr<Temporary> ReadableNifti(const fs::path& path, const NiftiPart& part,
+                                         std::vector<std::string>& notes) {
   NiftiHeader header = ReadNiftiHeader(path);
   const auto chosen = Choose(header, path, notes);
   const double skew = chosen ? SkewOf(chosen->form, path) : 0.0;
@@ -242,15 +267,19 @@ std::unique_ptr<Temporary> ReadableNifti(const fs::path& path, std::vector<std::
   ACUS_REQUIRE(skew_deg <= kMostSkewDeg, path.string(), ": its voxel axes are up to ", skew_deg,
                " degrees from perpendicular (at most ", kMostSkewDeg,
                " are read); resample it to a rectangular grid first (for example in 3D Slicer)");
+  const int volumes = NiftiVolumes(header);
+  if (part.channels > 1 && volumes > 1) {
+    notes.push_back("its vectors are its fourth dimension; they are taken as mm in LPS, as ITK's");
+  }
   const bool is_readable =
-      !header.is_version_2 && skew <= kReadByItk && !(chosen && chosen->differs);
+      !header.is_version_2 && skew <= kReadByItk && !(chosen && chosen->differs) && volumes == 1;
   if (is_readable) return nullptr;
   if (skew > kReadByItk) {
     notes.push_back(Message("its voxel axes are up to ", skew_deg,
                             " degrees from perpendicular; the nearest rotation is used"));
   }
   if (chosen) SetForm(header, chosen->form);
-  return CopyWith(header, path);
+  return CopyWith(header, part, path);
 }
 
 }  // namespace acus::volume

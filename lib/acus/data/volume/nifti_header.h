@@ -41,17 +41,27 @@ struct NiftiHeader {
   }
 };
 
+/// How many volumes over time a header declares: 1 for one volume.
+int NiftiVolumes(const NiftiHeader& header);
+
 /// Reads the header of a single file (.nii, .nii.gz). @throws InputError if it is none.
 NiftiHeader ReadNiftiHeader(const std::filesystem::path& path);
 
+/// What of a file is to be read.
+struct NiftiPart {
+  int channels = 1;  ///< Numbers for each voxel.
+  int volume = 0;    ///< Of several over time.
+};
+
 /// A copy that ITK reads, for a file of NIfTI-2, one whose axes are up to a degree from
-/// perpendicular (the nearest rotation is taken), and one whose qform and sform place it
-/// differently (the one in scanner coordinates is taken, otherwise the sform).
+/// perpendicular (the nearest rotation is taken), one whose qform and sform place it differently
+/// (the one in scanner coordinates is taken, otherwise the sform), one of several volumes over
+/// time, and one whose vectors are its fourth dimension.
 /// @param notes  Takes a sentence on what was done.
 /// @returns nothing if the file can be read as it is.
 /// @throws InputError if the axes are farther from perpendicular, or the forms have other spacings.
 /// @pre the header has been checked (CheckNiftiHeader).
-std::unique_ptr<Temporary> ReadableNifti(const std::filesystem::path& path,
+std::unique_ptr<Temporary> ReadableNifti(const std::filesystem::path& path, const NiftiPart& part,
                                          std::vector<std::string>& notes);
 
 }  // namespace acus::volume

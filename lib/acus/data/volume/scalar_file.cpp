@@ -10,6 +10,7 @@
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
+#include <optional>
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/input_file.h"
@@ -134,10 +135,10 @@ Geometry GeometryOf(itk::ImageIOBase& io, const fs::path& path, int num_componen
   return geometry;
 }
 
-void CheckHeader(const fs::path& path, int num_components) {
+void CheckHeader(const fs::path& path, int num_components, bool one_of_several) {
   switch (FormatOf(path)) {
     case Format::kNifti:
-      return CheckNiftiHeader(path, num_components);
+      return CheckNiftiHeader(path, num_components, one_of_several);
     case Format::kNrrd:
       return CheckNrrdHeader(path, num_components);
     case Format::kMetaImage:
@@ -193,16 +194,33 @@ void ConvertUnits(const fs::path& path, ScalarFile& file) {
   file.notes.push_back(Message("its space units are ", mm_per_unit, " mm; they are converted"));
 }
 
-ScalarFile ReadFile(const fs::path& path, int num_components) {
+void UseSpace(const fs::path& path, ScalarFile& file) {
+  const std::string space = NrrdSpace(path);
+  file.is_placed = !space.empty();
+  if (space != "left-anterior-superior") return;
+  // ITK 5.2 turns x to the other side, where y is to be turned.
+  const Eigen::Vector3d other_side(-1.0, -1.0, 1.0);
+  file.geometry.origin_mm = other_side.asDiagonal() * file.geometry.origin_mm;
+  file.geometry.direction = other_side.asDiagonal() * file.geometry.direction;
+}
+
+/// @param volume  Of several over time; nothing: there must be one.
+ScalarFile ReadFile(const fs::path& path, int num_components, std::optional<int> volume = {}) {
   ACUS_REQUIRE(RequireInputFile(path) > 0, path.string(), ": is empty");
   MakeImageIo(path);  // Refuses unknown endings before anything is read.
-  CheckHeader(path, num_components);
+  CheckHeader(path, num_components, volume.has_value());
   try {
     std::vector<std::string> notes;
-    const auto copy = FormatOf(path) == Format::kNifti ? ReadableNifti(path, notes) : nullptr;
+    const NiftiPart part{.channels = num_components, .volume = volume.value_or(0)};
+    const auto copy = FormatOf(path) == Format::kNifti ? ReadableNifti(path, part, notes) : nullptr;
     ScalarFile file = ReadChecked(path, copy ? copy->path() : path, num_components);
     file.notes = std::move(notes);
-    if (FormatOf(path) == Format::kNrrd) ConvertUnits(path, file);
+    if (FormatOf(path) == Format::kNrrd) {
+      ConvertUnits(path, file);
+      UseSpace(path, file);
+    } else if (FormatOf(path) == Format::kNifti) {
+      file.is_placed = NiftiIsPlaced(path);
+    }
     RequireUsable(file.geometry, path);
     MakeRightHanded(file);
     return file;
@@ -280,6 +298,16 @@ void MakeRightHanded(ScalarFile& file) {
 
 ScalarFile ReadScalarFile(const fs::path& path) {
   return ReadFile(path, 1);
+}
+
+int NumVolumes(const fs::path& path) {
+  return FormatOf(path) == Format::kNifti ? NiftiVolumes(ReadNiftiHeader(path)) : 1;
+}
+
+ScalarFile ReadVolumeOf(const fs::path& path, int number) {
+  ACUS_REQUIRE(number >= 0 && number < NumVolumes(path), path.string(), ": there is no volume ",
+               number + 1, "; it holds ", NumVolumes(path));
+  return ReadFile(path, 1, number);
 }
 
 ScalarFile ReadVectorFile(const fs::path& path) {

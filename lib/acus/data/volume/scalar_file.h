@@ -32,6 +32,7 @@ struct ScalarFile {
   std::vector<std::byte> bytes;             ///< num_components for each voxel.
   std::map<std::string, std::string> keys;  ///< Text fields of the header (NRRD key := value).
   std::vector<std::string> notes = {};      ///< What was repaired when it was read.
+  bool is_placed = true;                    ///< The header says how the patient lies.
 };
 
 std::size_t BytesOf(ScalarType type);
@@ -49,6 +50,13 @@ std::string VolumeStem(const std::filesystem::path& path);
 /// @throws InputError if the file is broken, cut off, not a single 3-D scalar volume, or its
 ///     voxel axes are not perpendicular.
 ScalarFile ReadScalarFile(const std::filesystem::path& path);
+
+/// How many volumes over time a file holds, of which ReadVolumeOf reads one; 1 for all formats but
+/// NIfTI. @throws InputError if it is a NIfTI file with a broken header.
+int NumVolumes(const std::filesystem::path& path);
+
+/// The same for one of them. @param number  From 0 on.
+ScalarFile ReadVolumeOf(const std::filesystem::path& path, int number);
 
 /// The same for a file of three numbers per voxel.
 ScalarFile ReadVectorFile(const std::filesystem::path& path);

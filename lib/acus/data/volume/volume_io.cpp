@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "acus/base/core/atomic_file.h"
+#include "acus/base/core/number_text.h"
 #include "acus/data/volume/dicom_header.h"
 #include "acus/data/volume/dicom_series.h"
 #include "acus/data/volume/header_check.h"
@@ -137,6 +138,19 @@ void RequireSizeOfBody(const Geometry& geometry, const fs::path& path) {
                ", not in mm; correct the header, or in an NRRD say so in 'space units'");
 }
 
+/// The volume that `series` names, from 1 on, of several over time; 0 for a file of one.
+int VolumeNumber(const fs::path& path, const std::string& series) {
+  const int count = NumVolumes(path);
+  if (count == 1) return 0;
+  const auto number = ParseFinite(series);
+  ACUS_REQUIRE(number && *number >= 1.0 && *number <= count && *number == std::floor(*number),
+               path.string(), ": holds ", count, " volumes over time",
+               series.empty() ? "" : Message("; '", series, "' is none of them"),
+               ". Choose one with --series 1 to ", count,
+               " (/patient/series of a scenario), or give all of them to acus-breathing");
+  return static_cast<int>(*number) - 1;
+}
+
 CtVolume CtFrom(const ScalarFile& file) {
   CtVolume ct(file.geometry);
   ForEach(file, [&](std::size_t i, auto value) { ct.voxels[i] = HuFrom(value); });
@@ -191,16 +205,15 @@ CtVolume ReadCt(const fs::path& path, const std::string& series, const RunContex
     ACUS_REQUIRE(IsScalarFileName(path) || !ReadDicomHeader(path), path.string(),
                  ": is one DICOM slice; give the folder that holds the whole series");
     context.Checkpoint("reading the CT", 0.0);
-    const ScalarFile file = ReadScalarFile(path);
+    const ScalarFile file = ReadVolumeOf(path, VolumeNumber(path, series));
     for (const std::string& note : file.notes) context.Warn(Message(path.string(), ": ", note));
     RequireSizeOfBody(file.geometry, path);
     ct = CtFrom(file);
     RequireNoLabelMap(file, ct, path);
-    const std::string name = path.filename().string();
-    if ((name.ends_with(".nii") || name.ends_with(".nii.gz")) && !NiftiIsPlaced(path)) {
+    if (!file.is_placed) {
       context.Warn(Message(path.string(),
-                           ": qform_code and sform_code are 0, so the file does not "
-                           "say how the patient lies; left and right may be swapped"));
+                           ": its header (qform_code and sform_code of NIfTI, space of NRRD) does "
+                           "not say how the patient lies; left and right may be swapped"));
     }
   }
   WarnIfNotHounsfield(ct, path, context);

@@ -29,7 +29,7 @@ std::vector<DicomSeries> ListDicomSeries(const std::filesystem::path& folder);
 /// off.
 /// @param series  UID, or a part of it or of the description, that picks one of several series.
 ///     If empty, a folder with one CT-like series (at least 3 parallel, evenly spaced slices) reads
-///     that.
+///     that. Of a NIfTI file with several volumes over time: the number of one, from 1 on.
 /// @throws InputError if the format is unknown, the file is cut off or broken, slices are missing
 ///     or uneven, or the choice of series is open (the message lists them).
 CtVolume ReadCt(const std::filesystem::path& path, const std::string& series,

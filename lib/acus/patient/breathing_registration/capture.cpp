@@ -397,6 +397,9 @@ Capture CaptureFields(const PhaseFiles& files, const volume::Geometry* ct,
   const auto read = [&](const PhaseFile& phase) {
     context.Checkpoint("reading " + phase.name, 0.0);
     auto field = volume::ReadDisplacementField(phase.path);
+    for (const std::string& note : field.notes) {
+      context.Warn(Message(phase.path.string(), ": ", note));
+    }
     if (given.phases.empty()) given.nodes = field.geometry;
     ACUS_REQUIRE(field.geometry.Matches(given.nodes), phase.path.string(), ": a field of ",
                  field.geometry.size.transpose(), " nodes at ",

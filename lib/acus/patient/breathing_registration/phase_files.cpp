@@ -66,6 +66,19 @@ std::optional<long> NumberIn(const std::string& name) {
   return std::stol(name.substr(begin, end - begin));
 }
 
+/// The volumes of one file over time, in its order.
+std::vector<PhaseFile> VolumesOf(const fs::path& file) {
+  std::vector<PhaseFile> phases;
+  const int count = volume::NumVolumes(file);
+  for (int n = 1; n <= count; ++n) {
+    phases.push_back({.name = Message("phase ", n),
+                      .path = file,
+                      .series = count == 1 ? "" : std::to_string(n),
+                      .breath = {}});
+  }
+  return phases;
+}
+
 /// Averages and projections over the breath are no phases of it.
 bool IsOverAllPhases(const volume::DicomSeries& series) {
   static const std::regex kOver("(^|[^a-z])(avg|ave|average|mean|mip|minip)([^a-z]|$)",
@@ -105,6 +118,7 @@ std::vector<PhaseFile> VolumesIn(const fs::path& folder) {
     if (path.filename().string().find(".seg.") != std::string::npos) continue;
     phases.push_back({.name = volume::VolumeStem(path), .path = path, .series = {}, .breath = {}});
   }
+  if (phases.size() == 1) return VolumesOf(phases.front().path);
   SortByNumber(phases, folder);
   return phases;
 }
@@ -168,10 +182,15 @@ void SpreadOverBreath(std::vector<PhaseFile>& phases,
 
 PhaseFiles FindPhases(const fs::path& folder,
                       const std::optional<breathing::BreathSignal>& signal) {
-  ACUS_REQUIRE(fs::is_directory(folder), folder.string(),
-               ": is not a folder; give the folder with one file, folder or series for each phase");
+  const bool is_file = fs::is_regular_file(folder) && volume::IsScalarFileName(folder);
+  ACUS_REQUIRE(is_file || fs::is_directory(folder), folder.string(),
+               ": is not a folder; give the folder with one file, folder or series for each phase, "
+               "or a NIfTI file of all");
   PhaseFiles out;
-  if (fs::exists(folder / "phases.csv")) {
+  if (is_file) {
+    out.phases = VolumesOf(folder);
+    SpreadOverBreath(out.phases, signal);
+  } else if (fs::exists(folder / "phases.csv")) {
     out = FromTable(folder);
   } else {
     out.phases = VolumesIn(folder);

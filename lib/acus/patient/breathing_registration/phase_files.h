@@ -29,6 +29,7 @@ struct PhaseFiles {
 /// Finds the phases in a folder:
 ///  - as phases.csv says, if there is one (file, cycle, level, level_per_s; use: phase or deeper);
 ///  - otherwise all volumes (NIfTI, NRRD, MetaImage) in the order of the numbers in their names;
+///    a single NIfTI file, here or in place of the folder, holds all phases in their order;
 ///  - otherwise folders or series of DICOM in the order of their temporal position or description.
 /// Without phases.csv the phases are taken to be evenly spread over one breath from end
 /// inspiration; their levels and rates are the means of the recorded breaths there, or of a regular

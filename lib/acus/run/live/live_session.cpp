@@ -348,7 +348,7 @@ bool LiveSession::Poll() {
 
 bool LiveSession::IsTimeUp() const {
   if (options_.duration_s > 0.0) return seconds_running() >= options_.duration_s;
-  // Who has taken over goes on.
+  // A person who has taken over a hand continues.
   return followed_s_ > 0.0 && seconds_running() >= followed_s_ &&
          std::ranges::none_of(steering_,
                               [](const auto& hand) { return hand.second->is_steered(); });

@@ -8,6 +8,7 @@
 #include "acus/data/session/slicer_scene.h"
 #include "acus/data/session/zip_archive.h"
 #include "acus/data/transforms/itk_transform_file.h"
+#include "acus/data/transforms/transform_file.h"
 #include "support/fuzz.h"
 #include "support/slicer_files.h"
 #include "support/temporary_folder.h"
@@ -201,6 +202,35 @@ TEST(ZipArchive, BoundsWhatItUnpacksAndVerifiesIt) {
   const ZipArchive broken({damaged.begin(), damaged.end()}, "broken.zip");
   EXPECT_THAT([&] { broken.Read("zeros", 5'000'000); },
               ThrowsMessage<InputError>(HasSubstr("broken.zip: 'zeros' is damaged")));
+}
+
+TEST(ReadTransform, ReadsItkTransformsInHdf5) {
+  const testing_support::TemporaryFolder folder;
+  const auto read = [&](const std::vector<testing_support::ItkTransformPart>& parts) {
+    testing_support::ItkTransformsFile(parts, folder / "t.h5");
+    return transforms::ReadTransform(folder / "t.h5");
+  };
+  const testing_support::ItkTransformPart shift{"TranslationTransform_double_3_3", {1, 2, 3}, {}};
+  const testing_support::ItkTransformPart turn{
+      "AffineTransform_double_3_3", {0, -1, 0, 1, 0, 0, 0, 0, 1, 10, 0, 0}, {0, 0, 0}};
+  EXPECT_LT((read({turn}) * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(10, 1, 0)).norm(), 1e-12);
+  // The last part first, as in a text file.
+  EXPECT_LT(
+      (read({{"CompositeTransform_double_3_3", {}, {}}, shift, turn}) * Eigen::Vector3d(1, 0, 0) -
+       Eigen::Vector3d(11, 3, 3))
+          .norm(),
+      1e-12);
+  EXPECT_THROW(read({shift, turn}), InputError);
+  EXPECT_THROW(read({{"BSplineTransform_double_3_3", std::vector<double>(300), {4, 4, 4}}}),
+               InputError);
+  EXPECT_THROW(
+      read({{"AffineTransform_double_3_3", {2, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, {0, 0, 0}}}),
+      InputError);
+  EXPECT_THROW(read({}), InputError);
+  const std::string valid = testing_support::ItkTransformsFile({turn}, folder / "t.h5");
+  EXPECT_GT(testing_support::ReadDamagedCopies(valid, folder / "d.h5", 300,
+                                               [&] { transforms::ReadTransform(folder / "d.h5"); }),
+            10);
 }
 
 }  // namespace

@@ -187,6 +187,19 @@ TEST(DicomSeries, TwoVolumesOfOneSeriesAreTwo) {
   EXPECT_THAT(list[1].description, HasSubstr("[part 2]"));
 }
 
+TEST(DicomSeries, BlocksOfDifferentStepsAreChosenByName) {
+  const TemporaryFolder folder;
+  const double places_mm[] = {0, 3, 6, 9, 12, 18, 24, 30, 36};
+  for (int k = 0; k < 9; ++k) WriteDicomSlice(folder / Message(k), SliceAt({0, 0, places_mm[k]}));
+  EXPECT_THAT([&] { ReadCt(folder.path(), "", RunContext{}); },
+              ThrowsMessage<InputError>(HasSubstr("[block 2 of 2]")));
+  const CtVolume ct = ReadCt(folder.path(), "block 2", RunContext{});
+  EXPECT_EQ(ct.geometry.size[2], 4);
+  EXPECT_NEAR(ct.geometry.spacing_mm[2], 6.0, 1e-9);
+  EXPECT_NEAR(ct.geometry.origin_mm[2], 18.0, 1e-9);
+  EXPECT_EQ(ReadCt(folder.path(), "block 1", RunContext{}).geometry.size[2], 5);
+}
+
 TEST(DicomSeries, ATiltedGantryIsStraightened) {
   const testing_support::HardCase hard("A gantry tilted by 20 degrees: slices are sheared.");
   testing_support::Largest off_hu;

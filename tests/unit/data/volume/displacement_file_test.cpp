@@ -34,6 +34,21 @@ TEST(DisplacementFile, ComesBackInEveryFormat) {
   }
 }
 
+TEST(DisplacementFile, VectorsMayBeTheFourthDimension) {
+  const testing_support::TemporaryFolder folder;
+  WriteDisplacementField(folder / "u.nii", SmallField());
+  std::string bytes = ReadTextFile(folder / "u.nii");
+  bytes[40] = 4;  // dim[0]; then dim[4] = 3, dim[5] = 1, and no intent.
+  bytes[48] = 3;
+  bytes[50] = 1;
+  bytes[68] = bytes[69] = 0;
+  WriteTextFile(folder / "four.nii", bytes);
+  const DisplacementField back = ReadDisplacementField(folder / "four.nii");
+  EXPECT_TRUE(back.geometry.Matches(SmallField().geometry));
+  EXPECT_EQ(back.displacement_in_ct_mm, SmallField().displacement_in_ct_mm);
+  EXPECT_THAT(back.notes, testing::ElementsAre(testing::HasSubstr("LPS")));
+}
+
 TEST(DisplacementFile, RefusesWhatIsNone) {
   const testing_support::TemporaryFolder folder;
   DisplacementField field = SmallField();

@@ -143,6 +143,69 @@ INSTANTIATE_TEST_SUITE_P(Formats, EveryFormat,
                            return name;
                          });
 
+TEST(ReadCt, EverySpaceOfAnNrrdBecomesLps) {
+  const TemporaryFolder folder;
+  const CtVolume written = NumberedCt(ObliqueGeometry());
+  WriteCt(folder / "ct.nrrd", written);
+  const std::string bytes = Slurp(folder / "ct.nrrd");
+  const std::string lps = "space: left-posterior-superior";
+  const std::size_t at = bytes.find(lps);
+  ASSERT_NE(at, bytes.npos);
+  const std::pair<const char*, Eigen::Vector3d> spaces[] = {
+      {"LPS", {1, 1, 1}},
+      {"RAS", {-1, -1, 1}},
+      {"right-anterior-superior", {-1, -1, 1}},
+      {"left-anterior-superior", {1, -1, 1}},
+      {"LAS", {1, -1, 1}}};
+  for (const auto& [space, signs] : spaces) {
+    std::string changed = bytes;
+    changed.replace(at, lps.size(), Message("space: ", space));
+    WriteTextFile(folder / "changed.nrrd", changed);
+    const CtVolume read = ReadCt(folder / "changed.nrrd", "", RunContext{});
+    const auto& size = read.geometry.size;
+    const auto first = std::ranges::find(read.voxels, -1024) - read.voxels.begin();
+    const Eigen::Vector3d index(static_cast<double>(first % size[0]),
+                                static_cast<double>(first / size[0] % size[1]),
+                                static_cast<double>(first / (size[0] * size[1])));
+    const Eigen::Vector3d place_mm = read.geometry.ct_from_index() * index;
+    const Eigen::Vector3d expected_mm = signs.asDiagonal() * written.geometry.origin_mm;
+    EXPECT_LT((place_mm - expected_mm).norm(), 1e-6) << space;
+  }
+  std::string warning;
+  RunContext context;
+  context.on_warning = [&](std::string_view text) { warning = text; };
+  std::string none = bytes;
+  none.replace(at, lps.size(), "space dimension: 3");
+  WriteTextFile(folder / "none.nrrd", none);
+  ReadCt(folder / "none.nrrd", "", context);
+  EXPECT_THAT(warning, HasSubstr("not say how the patient lies"));
+}
+
+TEST(ReadCt, TakesTheChosenOneOfSeveralVolumes) {
+  const TemporaryFolder folder;
+  const CtVolume first = NumberedCt(ObliqueGeometry());
+  CtVolume third = first;
+  for (auto& hu : third.voxels) hu = static_cast<std::int16_t>(hu / 2);
+  WriteCt(folder / "first.nii", first);
+  WriteCt(folder / "third.nii", third);
+  std::string bytes = Slurp(folder / "first.nii");
+  bytes += bytes.substr(352) + Slurp(folder / "third.nii").substr(352);
+  bytes[40] = 4;  // dim[0], and dim[4].
+  bytes[48] = 3;
+  WriteTextFile(folder / "four.nii", bytes);
+  ASSERT_EQ(NumVolumes(folder / "four.nii"), 3);
+  const CtVolume read = ReadCt(folder / "four.nii", "3", RunContext{});
+  EXPECT_EQ(read.voxels, third.voxels);
+  EXPECT_TRUE(read.geometry.Matches(first.geometry, 1e-3));
+  EXPECT_EQ(ReadCt(folder / "four.nii", "2", RunContext{}).voxels, first.voxels);
+  for (const char* none : {"", "0", "4", "1.5", "x"}) {
+    EXPECT_THAT([&] { ReadCt(folder / "four.nii", none, RunContext{}); },
+                ThrowsMessage<InputError>(HasSubstr("Choose one with --series 1 to 3")));
+  }
+  WriteTextFile(folder / "four.nii", bytes.substr(0, bytes.size() - 10));
+  EXPECT_THROW(ReadCt(folder / "four.nii", "1", RunContext{}), InputError);
+}
+
 TEST(VolumeStem, IsTheNameWithoutTheEndingsOfVolumes) {
   EXPECT_EQ(VolumeStem("a/spleen.nii.gz"), "spleen");
   EXPECT_EQ(VolumeStem("spleen.seg.nrrd"), "spleen");

@@ -60,6 +60,61 @@ TEST(MeshSurface, SaysWhatIsWrongAndWhere) {
                                               HasSubstr("try:"))));
 }
 
+double MeshedVolumeMl(const mesh::Surface& surface, SurfaceMesh& out) {
+  SurfaceMeshSettings settings;
+  EXPECT_THROW(MeshSurface(surface, "shells", settings, {}), InputError);
+  settings.may_repair = true;
+  settings.tetgen.element_size_mm = 1.0;
+  out = MeshSurface(surface, "shells", settings, {});
+  EXPECT_GE(mesh::MeasureQuality(out.mesh).min_dihedral_deg, settings.min_dihedral_deg);
+  return out.mesh_ml;
+}
+
+TEST(MeshSurface, FillsTheUnionOfOverlappingShells) {
+  SurfaceMesh out;
+  const auto two = Joined(mesh::shapes::Cube(10.0), mesh::shapes::Cube(10.0, {5, 5, 5}));
+  EXPECT_NEAR(MeshedVolumeMl(two, out), 1.875, 0.03 * 1.875);
+  EXPECT_NEAR(out.surface_ml, 1.875, 0.02 * 1.875);
+  EXPECT_THAT(out.repairs, testing::Contains(HasSubstr("the union of 2 shell(s) is filled")));
+  // A shell that faces inwards and cuts another one is no cavity.
+  mesh::Surface inwards = mesh::shapes::Cube(10.0, {5, 5, 5});
+  inwards.triangles.row(1).swap(inwards.triangles.row(2));
+  EXPECT_NEAR(MeshedVolumeMl(Joined(mesh::shapes::Cube(20.0),
+                                    Joined(inwards, mesh::shapes::Cube(10.0, {12, 12, 12}))),
+                             out),
+              8.0 + 1.0 - 0.512, 0.03 * 8.5);
+}
+
+TEST(MeshSurface, KeepsCavitiesAndCountsNestedShellsOnce) {
+  SurfaceMeshSettings settings;
+  settings.tetgen.element_size_mm = 1.5;
+  mesh::Surface cavity = mesh::shapes::Cube(8.0, {6, 6, 6});
+  const auto nested = MeshSurface(Joined(mesh::shapes::Cube(20.0), cavity), "nested", settings, {});
+  EXPECT_NEAR(nested.mesh_ml, 8.0, 0.03 * 8.0);
+  EXPECT_NEAR(nested.surface_ml, 8.0, 0.02 * 8.0);
+  cavity.triangles.row(1).swap(cavity.triangles.row(2));
+  const auto hollow = MeshSurface(Joined(mesh::shapes::Cube(20.0), cavity), "hollow", settings, {});
+  EXPECT_NEAR(hollow.mesh_ml, 8.0 - 0.512, 0.03 * 8.0);
+  EXPECT_NEAR(hollow.surface_ml, 8.0 - 0.512, 0.02 * 8.0);
+}
+
+TEST(MeshSurface, ClosesCracksByJoiningNodesOnRequest) {
+  // The lid of a box lies 0.01 mm above its walls.
+  mesh::Surface box = mesh::shapes::Cube(20.0);
+  mesh::Surface cracked = box;
+  cracked.nodes_mm.conservativeResize(3, 12);
+  for (int n = 4; n < 8; ++n) {
+    cracked.nodes_mm.col(n + 4) = box.nodes_mm.col(n) + Eigen::Vector3d(0, 0, 0.01);
+  }
+  for (int t = 2; t < 4; ++t) cracked.triangles.col(t).array() += 4;
+  SurfaceMeshSettings settings;
+  settings.may_repair = true;
+  const SurfaceMesh out = MeshSurface(cracked, "lid", settings, {});
+  EXPECT_NEAR(out.mesh_ml, 8.0, 0.01);
+  EXPECT_THAT(out.repairs, testing::Contains(HasSubstr("cracks of up to")));
+  EXPECT_THAT(out.repairs, testing::Not(testing::Contains(HasSubstr("hole"))));
+}
+
 TEST(VoxelsInside, CountTheVolumeOfOverlapsOnce) {
   const double voxel_mm = 0.5;
   const auto volume_of = [&](const mesh::Surface& surface) {

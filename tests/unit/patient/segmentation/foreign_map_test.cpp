@@ -27,38 +27,38 @@ TEST(ForeignMap, TakesNamesFromAFileBesideIt) {
   const fs::path inside = folder / "labelsTr";
   fs::create_directory(inside);
   WriteNiftiLabels(inside / "case.nii", 2, 1, 1, {0, 7}, {});
-  EXPECT_TRUE(ReadForeignMap(inside / "case.nii").names.empty());
+  EXPECT_TRUE(ReadForeignMap(inside / "case.nii", {}).names.empty());
 
   WriteTextFile(folder / "dataset.json",
                 R"({"name": "nnU-Net", "labels": {"background": 0, "liver": 7}})");
-  EXPECT_EQ(NameIn(ReadForeignMap(inside / "case.nii"), 7), "liver");
-  EXPECT_EQ(ReadForeignMap(inside / "case.nii").named_by, "by dataset.json");
+  EXPECT_EQ(NameIn(ReadForeignMap(inside / "case.nii", {}), 7), "liver");
+  EXPECT_EQ(ReadForeignMap(inside / "case.nii", {}).named_by, "by dataset.json");
 
   WriteTextFile(inside / "metadata.json", R"({"network_data_format": {"outputs": {"pred":
       {"channel_def": {"0": "background", "7": "spleen"}}}}})");
-  EXPECT_EQ(NameIn(ReadForeignMap(inside / "case.nii"), 7), "spleen");
+  EXPECT_EQ(NameIn(ReadForeignMap(inside / "case.nii", {}), 7), "spleen");
 
   WriteTextFile(inside / "case.json", R"({"labels": {"7": "pancreas"}})");
-  EXPECT_EQ(NameIn(ReadForeignMap(inside / "case.nii"), 7), "pancreas");
+  EXPECT_EQ(NameIn(ReadForeignMap(inside / "case.nii", {}), 7), "pancreas");
   WriteTextFile(inside / "case.json", R"({"7": "aorta"})");
-  EXPECT_EQ(NameIn(ReadForeignMap(inside / "case.nii"), 7), "aorta");
+  EXPECT_EQ(NameIn(ReadForeignMap(inside / "case.nii", {}), 7), "aorta");
   WriteTextFile(inside / "case.json", R"({"segmentAttributes": [[{"labelID": 7, "SegmentLabel": "x",
       "SegmentedPropertyTypeCodeSequence": {"CodeValue": "64033007"},
       "SegmentedPropertyTypeModifierCodeSequence": {"CodeValue": "7771000"}}]]})");
-  const auto dcmqi = ReadForeignMap(inside / "case.nii");
+  const auto dcmqi = ReadForeignMap(inside / "case.nii", {});
   EXPECT_EQ(dcmqi.names.at(7).codes, std::vector<std::string>{"64033007"});
   EXPECT_EQ(dcmqi.names.at(7).side, "left");
 
   // A description of something else is passed over, a value with two names is not.
   WriteTextFile(inside / "case.json", R"({"EchoTime": 0.1, "Manufacturer": "x"})");
-  EXPECT_EQ(NameIn(ReadForeignMap(inside / "case.nii"), 7), "spleen");
+  EXPECT_EQ(NameIn(ReadForeignMap(inside / "case.nii", {}), 7), "spleen");
   WriteTextFile(inside / "case.json", R"({"labels": {"liver": 7, "spleen": 7}})");
-  EXPECT_THAT([&] { ReadForeignMap(inside / "case.nii"); },
+  EXPECT_THAT([&] { ReadForeignMap(inside / "case.nii", {}); },
               ThrowsMessage<InputError>(HasSubstr("case.json: value 7 is 'liver' and 'spleen'")));
 
   // What the file says itself goes first.
   WriteNiftiLabels(inside / "case.nii", 2, 1, 1, {0, 7}, {NiftiLabelXml({{7, "heart"}})});
-  EXPECT_EQ(NameIn(ReadForeignMap(inside / "case.nii"), 7), "heart");
+  EXPECT_EQ(NameIn(ReadForeignMap(inside / "case.nii", {}), 7), "heart");
 }
 
 TEST(ForeignMap, OfAFolderHasTheSmallerMaskOnTop) {
@@ -67,7 +67,7 @@ TEST(ForeignMap, OfAFolderHasTheSmallerMaskOnTop) {
   WriteNiftiLabels(folder / "lesion.nii", 4, 1, 1, {0, 1, 0, 0}, {});
   WriteNiftiLabels(folder / "liver.nii", 4, 1, 1, {255, 255, 255, 0}, {});
   WriteTextFile(folder / "notes.txt", "not a mask");
-  const auto map = ReadForeignMap(folder / ".");
+  const auto map = ReadForeignMap(folder / ".", {});
   ASSERT_EQ(map.names.size(), 3U);
   EXPECT_EQ(NameIn(map, map.values.voxels[0]), "liver");
   EXPECT_EQ(NameIn(map, map.values.voxels[1]), "lesion");
@@ -76,23 +76,24 @@ TEST(ForeignMap, OfAFolderHasTheSmallerMaskOnTop) {
   EXPECT_EQ(NameIn(map, 1), "aorta");
 
   WriteNiftiLabels(folder / "spleen.nii", 4, 1, 1, {0, 0, 1, 2}, {});
-  EXPECT_THAT([&] { ReadForeignMap(folder / "."); },
+  EXPECT_THAT([&] { ReadForeignMap(folder / ".", {}); },
               ThrowsMessage<InputError>(HasSubstr("spleen.nii: has the values 1 and 2")));
   WriteNiftiLabels(folder / "spleen.nii", 2, 2, 1, {0, 0, 1, 1}, {});
   EXPECT_THAT(
-      [&] { ReadForeignMap(folder / "."); },
+      [&] { ReadForeignMap(folder / ".", {}); },
       ThrowsMessage<InputError>(HasSubstr("spleen.nii: lies on another grid than aorta.nii")));
 }
 
 TEST(ForeignMap, OfAFolderMayBeASegmentationObject) {
   const testing_support::TemporaryFolder folder;
-  EXPECT_THAT([&] { ReadForeignMap(folder / "."); },
-              ThrowsMessage<InputError>(HasSubstr("holds 0 DICOM segmentation objects")));
+  EXPECT_THAT(
+      [&] { ReadForeignMap(folder / ".", {}); },
+      ThrowsMessage<InputError>(HasSubstr("holds 0 DICOM segmentations or structure sets")));
   testing_support::DicomSegObject object;
   object.segments = {{.label = "Liver", .code = "10200004", .side_code = ""}};
   object.frames = {{1, {0, 0, 0}, {1, 0, 0, 0, 0, 0, 0, 0, 1}}};
   WriteDicomSegmentation(folder / "segmentations.dcm", object);
-  EXPECT_EQ(NameIn(ReadForeignMap(folder / "."), 1), "Liver");
+  EXPECT_EQ(NameIn(ReadForeignMap(folder / ".", {}), 1), "Liver");
 }
 
 }  // namespace

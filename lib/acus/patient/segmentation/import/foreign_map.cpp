@@ -6,6 +6,7 @@
 #include "acus/base/core/error.h"
 #include "acus/data/volume/dicom_segmentation.h"
 #include "acus/data/volume/scalar_file.h"
+#include "acus/data/volume/structure_set.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/segmentation/voxels/label_json.h"
 
@@ -53,27 +54,38 @@ volume::NamedValues FromMasks(const std::vector<fs::path>& files) {
   return map;
 }
 
-volume::NamedValues FromFolder(const fs::path& folder) {
+volume::NamedValues FromDicom(const fs::path& file, const volume::Geometry& ct) {
+  return volume::IsStructureSet(file) ? volume::ReadStructureSet(file, ct)
+                                      : volume::ReadNamedValues(file);
+}
+
+bool IsDicomName(const fs::path& file) {
+  return file.extension() == ".dcm" || file.extension().empty();
+}
+
+volume::NamedValues FromFolder(const fs::path& folder, const volume::Geometry& ct) {
   std::vector<fs::path> masks, segmentations;
   for (const fs::path& file : FilesIn(folder)) {
     if (volume::IsScalarFileName(file)) {
       masks.push_back(file);
-    } else if (file.extension() == ".dcm" && volume::IsDicomSegmentation(file)) {
+    } else if (IsDicomName(file) &&
+               (volume::IsDicomSegmentation(file) || volume::IsStructureSet(file))) {
       segmentations.push_back(file);
     }
   }
   if (!masks.empty()) return FromMasks(masks);
   ACUS_REQUIRE(segmentations.size() == 1, folder.string(), ": holds ", segmentations.size(),
-               " DICOM segmentation objects and no NIfTI, NRRD or MetaImage masks; give a folder "
-               "with one mask for each structure, or the file itself");
-  return volume::ReadNamedValues(segmentations.front());
+               " DICOM segmentations or structure sets and no NIfTI, NRRD or MetaImage masks; give "
+               "a folder with one mask for each structure, or the file itself");
+  return FromDicom(segmentations.front(), ct);
 }
 
 }  // namespace
 
-volume::NamedValues ReadForeignMap(const fs::path& path) {
-  if (fs::is_directory(path)) return FromFolder(path);
-  volume::NamedValues map = volume::ReadNamedValues(path);
+volume::NamedValues ReadForeignMap(const fs::path& path, const volume::Geometry& ct) {
+  if (fs::is_directory(path)) return FromFolder(path, ct);
+  const bool may_be_dicom = !volume::IsScalarFileName(path) && path.extension() != ".vti";
+  volume::NamedValues map = may_be_dicom ? FromDicom(path, ct) : volume::ReadNamedValues(path);
   if (!map.names.empty()) return map;  // Written with the values: nothing beside it is nearer.
   NamesBeside beside = FindNamesBeside(path);
   if (!beside.names.empty()) map.named_by = "by " + beside.file.filename().string();

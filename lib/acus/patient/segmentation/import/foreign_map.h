@@ -12,8 +12,10 @@ namespace acus::segmentation {
 ///
 /// A folder with volumes has one mask for each structure, named by the file (`spleen.nii.gz`); all
 /// masks lie on one grid. Where masks overlap, the one with fewer voxels remains: a tumour in the
-/// liver, the liver in the body. A folder with a single DICOM segmentation object is that.
+/// liver, the liver in the body. A folder with a single DICOM segmentation object or structure set
+/// (RTSTRUCT) is that.
+/// @param ct  The grid of the CT, on which the contours of a structure set are filled.
 /// @throws InputError if a file is broken, a mask has several values, or the folder has neither.
-volume::NamedValues ReadForeignMap(const std::filesystem::path& path);
+volume::NamedValues ReadForeignMap(const std::filesystem::path& path, const volume::Geometry& ct);
 
 }  // namespace acus::segmentation

@@ -164,7 +164,7 @@ ImportedLabels ReadImportedLabels(const ForeignLabels& labels, const volume::Geo
                                   const RunContext& context) {
   const bool by_names = IsTableOfNames(labels.mapping);
   const bool own_table = by_names && !labels.mapping.empty();
-  volume::NamedValues map = ReadForeignMap(labels.file);
+  volume::NamedValues map = ReadForeignMap(labels.file, grid);
   ImportedLabels import{
       .file = labels.file,
       .values = {},
@@ -174,6 +174,9 @@ ImportedLabels ReadImportedLabels(const ForeignLabels& labels, const volume::Geo
       .names =
           LabelNames(own_table ? labels.mapping : config::FindConfig("label_maps/names.json", ".")),
       .structures = {}};
+  ACUS_REQUIRE(
+      std::ranges::any_of(map.values.voxels, [](std::int32_t value) { return value != 0; }),
+      labels.file.string(), ": has no labelled voxel, so that there is nothing to import");
   const bool is_ours = labels.file.string().ends_with(".seg.nrrd");
   if (by_names && map.names.empty() && !is_ours) {
     const auto values = ValuesThatOccur(map.values);
