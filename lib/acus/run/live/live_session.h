@@ -184,7 +184,7 @@ class LiveSession {
   std::unique_ptr<Bridge> bridge_;                      ///< Between the other device and the core.
   std::map<std::string, std::shared_ptr<haptics::HandSteering>> steering_;  ///< By virtual hand.
   std::vector<haptics::VirtualHandDriver*> stepped_;  ///< In virtual time; the servo's first.
-  std::vector<session::Command> followed_commands_;   ///< Commands of the session that hands follow.
+  std::vector<session::Command> followed_commands_;  ///< Commands of the session that hands follow.
   std::size_t next_followed_ = 0;
   double followed_s_ = 0.0;  ///< Its duration; 0: none.
   /// Virtual hands, and substitutes for absent devices.

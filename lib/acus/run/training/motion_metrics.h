@@ -14,9 +14,9 @@ namespace acus::training {
 /// True if a point, in the session's reference frame (mm), lies in tissue.
 using InsideTissue = std::function<bool(const Eigen::Vector3d& point_in_reference_mm)>;
 
-/// Selects the samples over which paths and damage are summed. At 1 kHz the sum over all samples is mostly
-/// tremor and the tracker's noise: it grows with the rate. Recordings at up to 10 Hz, as Perk
-/// Tutor's, are used whole; of faster ones a sample is used once 0.1 s have passed.
+/// Selects the samples over which paths and damage are summed. At 1 kHz the sum over all samples is
+/// mostly tremor and the tracker's noise: it grows with the rate. Recordings at up to 10 Hz, as
+/// Perk Tutor's, are used whole; of faster ones a sample is used once 0.1 s have passed.
 class PathPacer {
  public:
   /// 0.1 s less the jitter of stamps.
