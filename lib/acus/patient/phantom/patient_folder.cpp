@@ -75,6 +75,12 @@ Insertion WriteInsertion(const std::filesystem::path& folder, const PatientField
       PlayScript(field, plan, DemonstrationOf(field, plan, config.session),
                  config.markers.reference_from_ct, context);
   session::WriteSession(folder / kDemonstration, demonstration.session, context);
+  if (const auto epidural = EpiduralDemonstrationOf(field, plan, config.session)) {
+    session::WriteSession(
+        folder / epidural->name,
+        PlayScript(field, plan, *epidural, config.markers.reference_from_ct, context).session,
+        context);
+  }
   Json events = Json::array();
   for (const NeedleEvent& event : scripted.events) {
     events.push_back({{"time_s", event.time_s},

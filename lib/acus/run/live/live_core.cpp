@@ -80,8 +80,9 @@ DeviceForce LiveCore::Tick(const DeviceReading& reading) noexcept {
   TakeOrders();
   ReadTools(reading);
   Step();
-  const DeviceForce on_needle = ForceOn(needle_, record_.output.force.force_in_ct_n + held_in_ct_n_,
-                                        record_.output.force.torque_in_ct_n_mm);
+  const DeviceForce on_needle =
+      ForceOn(needle_, record_.output.force.force_in_ct_n + held_in_ct_n_ - BracedInCtN(),
+              record_.output.force.torque_in_ct_n_mm);
   const DeviceForce on_probe =
       ForceOn(probe_, record_.output.probe.force_in_ct_n, record_.output.probe.torque_in_ct_n_mm);
   if (recorder_ != nullptr) recorder_->Push(record_);
@@ -215,6 +216,13 @@ void LiveCore::HoldNeedle() noexcept {
     }
   }
   stopped_by_.store(held.by, std::memory_order_relaxed);
+}
+
+/// A person holds the needle against the other hand's thumb; a virtual hand does not feel that
+/// force either.
+Eigen::Vector3d LiveCore::BracedInCtN() const noexcept {
+  if (needle_.mount == nullptr || !needle_.mount->by_virtual_hand) return Eigen::Vector3d::Zero();
+  return -record_.output.force.added_n * record_.output.ct_from_needle.linear().col(2);
 }
 
 void LiveCore::ReadBelt() noexcept {

@@ -109,6 +109,7 @@ class LiveCore {
   Tool ReadServo(const haptics::DeviceReading& reading) noexcept;
   Tool ReadOther(std::int64_t now_ns) noexcept;
   void HoldNeedle() noexcept;
+  Eigen::Vector3d BracedInCtN() const noexcept;
   void ReadBelt() noexcept;
   void Step() noexcept;
   void Feed() noexcept;

@@ -1,7 +1,9 @@
 #include "acus/patient/phantom/hands/demonstration.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "acus/data/volume/labels.h"
 #include "acus/patient/phantom/hands/probe_script.h"
 
 namespace acus::phantom {
@@ -18,6 +20,9 @@ constexpr int kTimesInAndOut = 3;
 constexpr double kAdvanceMmPerS = 10.0;
 constexpr double kAtTargetS = 3.0;
 constexpr double kWithdrawMmPerS = 40.0;
+constexpr double kThumbN = 12.0;
+constexpr double kWithThumbMmPerS = 2.0;
+constexpr double kBehindLigamentMm = 1.5;
 /// From the middle of the image: within a linear array of 38 mm, the narrowest preset.
 constexpr double kTargetAsideMm = 12.0;
 
@@ -48,6 +53,25 @@ ProbeScript OverTarget(const PatientField& field, const InsertionPlan& plan,
   return over;
 }
 
+/// Depths along the path at which the last ligament before the spinal canal begins and ends.
+std::optional<std::pair<double, double>> LastLigament(const PatientField& field,
+                                                      const InsertionPlan& plan) {
+  const volume::Label ligament = volume::LabelOf("ligament");
+  const volume::Label canal = volume::LabelOf("spinal_canal");
+  constexpr double kStepMm = 0.1;
+  double from_mm = 0.0, to_mm = 0.0;
+  volume::Label before = 0;
+  for (double depth_mm = 0.0; depth_mm < plan.length_mm(); depth_mm += kStepMm) {
+    const volume::Label label = field.LabelAt(plan.entry_ct_mm + depth_mm * plan.direction);
+    if (label == ligament && before != ligament) from_mm = depth_mm;
+    if (label == ligament) to_mm = depth_mm + kStepMm;
+    if (label == canal) break;
+    before = label;
+  }
+  if (to_mm == 0.0) return std::nullopt;
+  return std::pair(from_mm, to_mm);
+}
+
 }  // namespace
 
 SessionSettings DemonstrationOf(const PatientField& field, const InsertionPlan& plan,
@@ -68,6 +92,28 @@ SessionSettings DemonstrationOf(const PatientField& field, const InsertionPlan& 
   }
   out.needle.push_back(Move(To::kTarget, kAdvanceMmPerS, kAtTargetS));
   out.needle.push_back(Move(To::kStart, kWithdrawMmPerS, 0.5));
+  out.needle.push_back(Move(To::kStart, kWithdrawMmPerS, 1.0));
+  out.needle.back().breath = Breath::kRelease;
+  return out;
+}
+
+std::optional<SessionSettings> EpiduralDemonstrationOf(const PatientField& field,
+                                                       const InsertionPlan& plan,
+                                                       const SessionSettings& settings) {
+  const auto ligament = LastLigament(field, plan);
+  if (!ligament) return std::nullopt;
+  SessionSettings out = DemonstrationOf(field, plan, settings);
+  out.name = std::string(kDemonstration) + "_epidural";
+  out.needle.resize(2);  // Up to the skin.
+  out.needle.push_back(ToDepth(ligament->first + 0.5, 0.5));
+  NeedleMove through = ToDepth(ligament->second + kBehindLigamentMm, 1.0);
+  through.speed_mm_per_s = kWithThumbMmPerS;
+  through.plunger_n = kThumbN;
+  out.needle.push_back(through);
+  NeedleMove rest = through;
+  rest.plunger_n = 0.0;
+  rest.hold_s = kAtTargetS;
+  out.needle.push_back(rest);
   out.needle.push_back(Move(To::kStart, kWithdrawMmPerS, 1.0));
   out.needle.back().breath = Breath::kRelease;
   return out;

@@ -17,4 +17,14 @@ inline constexpr const char* kDemonstration = "demonstration";
 SessionSettings DemonstrationOf(const PatientField& field, const InsertionPlan& plan,
                                 const SessionSettings& settings);
 
+/// The demonstration of exercises/epidural.json, in kDemonstration + "_epidural": as above up to
+/// the puncture of the skin, then to the ligament; from there on the thumb presses the plunger, the
+/// needle advances at 2 mm/s, stops 1.5 mm behind the ligament, where the thumb lets go after 1 s,
+/// and is withdrawn.
+/// @return  nothing if the path does not leave a ligament for fat or the spinal canal.
+/// @throws NoAnswerError as DemonstrationOf.
+std::optional<SessionSettings> EpiduralDemonstrationOf(const PatientField& field,
+                                                       const InsertionPlan& plan,
+                                                       const SessionSettings& settings);
+
 }  // namespace acus::phantom

@@ -33,7 +33,7 @@ NeedleScript::NeedleScript(const InsertionPlan& plan, const SessionSettings& set
   now_ = {-settings.standoff_mm, settings.needle.empty() ? 0.0 : angle(settings.needle.front())};
   for (const NeedleMove& move : settings.needle) {
     if (move.to == NeedleMove::To::kBone && !plan.bone_angle_rad) continue;
-    CommandBreath(move.breath);
+    Command(move);
     if (angle(move) != now_.angle_rad) {
       redirect_times_s_.push_back(duration_s_);
       Go({now_.depth_mm, angle(move)},
@@ -47,13 +47,16 @@ NeedleScript::NeedleScript(const InsertionPlan& plan, const SessionSettings& set
   }
 }
 
-void NeedleScript::CommandBreath(NeedleMove::Breath breath) {
+void NeedleScript::Command(const NeedleMove& move) {
   using session::CommandKind;
-  if (breath == NeedleMove::Breath::kAsBefore) return;
-  breath_commands_.push_back({.time_ns = std::llround(1e9 * duration_s_),
-                              .kind = breath == NeedleMove::Breath::kHold
-                                          ? CommandKind::kHoldBreath
-                                          : CommandKind::kBreatheOn});
+  const std::int64_t time_ns = std::llround(1e9 * duration_s_);
+  if (move.breath != NeedleMove::Breath::kAsBefore) {
+    commands_.push_back({.time_ns = time_ns,
+                         .kind = move.breath == NeedleMove::Breath::kHold
+                                     ? CommandKind::kHoldBreath
+                                     : CommandKind::kBreatheOn});
+  }
+  if (move.plunger_n) commands_.push_back({time_ns, CommandKind::kPlunger, *move.plunger_n});
 }
 
 void NeedleScript::Go(const NeedleState& to, double duration_s) {

@@ -26,7 +26,7 @@ class NeedleScript {
   const std::vector<double>& redirected_times_s() const { return redirected_times_s_; }
   const std::vector<double>& target_times_s() const { return target_times_s_; }
   /// In order of time.
-  const std::vector<session::Command>& breath_commands() const { return breath_commands_; }
+  const std::vector<session::Command>& commands() const { return commands_; }
 
  private:
   struct Stroke {
@@ -34,13 +34,13 @@ class NeedleScript {
     NeedleState from, to;
   };
   void Go(const NeedleState& to, double duration_s);
-  void CommandBreath(NeedleMove::Breath breath);
+  void Command(const NeedleMove& move);
 
   std::vector<Stroke> strokes_;
   NeedleState now_{};
   double duration_s_ = 0.0;
   std::vector<double> redirect_times_s_, redirected_times_s_, target_times_s_;
-  std::vector<session::Command> breath_commands_;
+  std::vector<session::Command> commands_;
 };
 
 }  // namespace acus::phantom

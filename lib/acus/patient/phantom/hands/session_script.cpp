@@ -178,7 +178,7 @@ ScriptedSession PlayScript(const PatientField& field, const InsertionPlan& plan,
   const ProbeHand probe(field, plan, settings, context.seed);
   ScriptedSession out;
   out.session.name = settings.name;
-  out.session.commands = needle.script().breath_commands();
+  out.session.commands = needle.script().commands();
   EventFinder finder(field, plan.entry_ct_mm);
   const auto& redirected = needle.script().redirected_times_s();
   std::size_t attempt = 0;

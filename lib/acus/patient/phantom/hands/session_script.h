@@ -1,6 +1,7 @@
 // Scripted sessions: what a needle and a probe do, as poses at 1 kHz and as a list of true events.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,9 @@ struct NeedleMove {
   double speed_mm_per_s = 10.0;  ///< Highest.
   double hold_s = 0.0;
   Breath breath = Breath::kAsBefore;  ///< Of the patient, from the beginning of the move.
+  /// Force of the thumb on the plunger of a syringe, N, from the beginning of the move; nothing: as
+  /// before.
+  std::optional<double> plunger_n = std::nullopt;
 };
 
 struct ProbeScript {
