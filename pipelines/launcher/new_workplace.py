@@ -25,9 +25,10 @@ PROBE_BESIDE_NEEDLE_MM = 25.0
 LEAST_IMAGES_PER_S = 25.0
 TRIED_S = 3
 
-# Of a paper: kind of the synthetic patient, exercise, and what differs from the other workplaces.
+# Of a paper or a procedure: kind of the synthetic patient, exercise, and what differs from the other workplaces.
 SYSTEMS = {
     "": {"scenario": "lumbar_puncture", "kind": "lumbar", "exercise": "lumbar_puncture"},
+    "epidural": {"kind": "lumbar", "exercise": "epidural"},
     # Face down in the mannequin that the stand-in camera sees.
     "augmented_2010": {"kind": "lumbar", "exercise": "spinal_needle_2010", "camera": True,
                        "phantom": ["--config", str(CONFIGS / "phantoms/lumbar_prone.json")]},
@@ -38,6 +39,7 @@ SYSTEMS = {
     "fortmeier_2016": {"kind": "liver_ptc", "exercise": "bile_duct_drainage", "breathes": True,
                        "without": ["fluoroscopy", "view_3d"], "views": "ultrasound,3d,volume,ct"},
 }
+SYSTEMS_OF_PAPERS = [name for name in SYSTEMS if name not in ("", "epidural")]
 
 
 def program(name, *arguments, cwd=None):
@@ -228,7 +230,7 @@ def arguments_of(words):
 def run(words):
     given = arguments_of(words)
     if given.paper not in SYSTEMS:
-        print(f"pipelines/live-session: --paper must be one of {', '.join(filter(None, SYSTEMS))}; got '{given.paper}'",
+        print(f"pipelines/live-session: --paper must be one of {', '.join(SYSTEMS_OF_PAPERS)}; got '{given.paper}'",
               file=sys.stderr)
         return 2
     folder = given.folder.resolve()
