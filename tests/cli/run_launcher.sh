@@ -65,7 +65,7 @@ for paper in new_workplace.SYSTEMS:
     preset = read_json_object(new_workplace.CONFIGS / f"scenarios/{paper or 'lumbar_puncture'}.json")
     made = read_json_object(folder / "scenario.json")
     assert made["effects"]["ultrasound"] == preset["effects"]["ultrasound"], paper
-# What would not start is said.
+# What would not start is said. The last one is overwritten.
 write_whole(folder / "scenario.json", "{}")
 try:
     new_workplace.check(folder, folder / "devices.json")
@@ -74,6 +74,9 @@ except UserError as error:
 else:
     raise AssertionError("an empty scenario starts")
 PYTHON
+
+# An epidural puncture by loss of resistance.
+play_demonstration paper_epidural play_epidural
 [[ ! -e no ]] || fail "half a workplace was left behind"
 
 # Two starts in one second: each has its folder.
