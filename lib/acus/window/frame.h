@@ -84,6 +84,9 @@ struct ForceReadout {
   std::optional<double> needle_n;
   std::optional<double> probe_n;
   double limit_n = 0.0;  ///< Limit of the safety guard; full scale of the bar.
+  /// Force of the thumb on the plunger; nothing: there is no syringe. Takes the place of the
+  /// probe's bar.
+  std::optional<double> plunger_n;
 };
 
 /// State of an exercise at one time.

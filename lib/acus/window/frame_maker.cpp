@@ -120,6 +120,9 @@ void FrameMaker::AddReadouts(const live::LiveImage& image) {
   frame_.force = {};
   if (limits.needle_n > 0.0) frame_.force.needle_n = snapshot.needle_force_n;
   if (limits.probe_n > 0.0) frame_.force.probe_n = snapshot.probe_force_n;
+  if (session_.scene().plan.Needs(effects::ports::kPlungerForce)) {
+    frame_.force.plunger_n = snapshot.plunger_n;
+  }
   frame_.force.limit_n = std::max(limits.needle_n, limits.probe_n);
   const live::CoreStatistics& core = session_.statistics();
   const live::ImageStatistics& images = session_.image_statistics();

@@ -14,8 +14,6 @@ using session::CommandKind;
 namespace {
 /// Images show an order well before this time.
 constexpr double kShownAfterS = 0.5;
-/// By keys: what a thumb holds for seconds.
-constexpr double kMostThumbN = 40.0;
 }  // namespace
 
 void OrderedSettings::Refresh(const live::LiveSnapshot& snapshot, const ImageSetting& image,

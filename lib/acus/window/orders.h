@@ -13,6 +13,8 @@ namespace acus::window {
 inline constexpr double kGainStepDb = 3.0;
 inline constexpr double kDepthStepMm = 10.0;
 inline constexpr double kPlungerStepN = 1.0;
+/// By keys: a force that a thumb holds for seconds.
+inline constexpr double kMostThumbN = 40.0;
 
 /// The current settings of the image.
 struct ImageSetting {

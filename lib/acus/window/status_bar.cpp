@@ -5,6 +5,7 @@
 
 #include "acus/window/command.h"
 #include "acus/window/exercise_panel.h"
+#include "acus/window/orders.h"
 
 namespace acus::window {
 namespace {
@@ -183,7 +184,11 @@ void DrawStatusBar(const DisplayFrame& frame, const ViewChoice& choice,
   part.width = middle_width;
   DrawForce("Needle", frame.force.needle_n, frame.force.limit_n, part, sizes, sketch);
   part.top += sketch.TextHeight(sizes.small_px) + 16;
-  DrawForce("Probe", frame.force.probe_n, frame.force.limit_n, part, sizes, sketch);
+  if (frame.force.plunger_n) {
+    DrawForce("Plunger (I)", frame.force.plunger_n, kMostThumbN, part, sizes, sketch);
+  } else {
+    DrawForce("Probe", frame.force.probe_n, frame.force.limit_n, part, sizes, sketch);
+  }
   part.top = place.top + 12;
   part.left -= middle_width + 20;
   DrawDistance(frame, part, sizes, sketch);
