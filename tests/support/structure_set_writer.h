@@ -40,7 +40,8 @@ inline void WriteStructureSet(const std::filesystem::path& path,
     std::vector<DicomBytes> contours;
     for (const Contour& points : roi.contours) {
       std::string text;
-      for (const Eigen::Vector3d& point : points) text += (text.empty() ? "" : "\\") + DicomText(point);
+      for (const Eigen::Vector3d& point : points)
+        text += (text.empty() ? "" : "\\") + DicomText(point);
       DicomBytes contour;
       contour.Element(0x3006, 0x42, "CS", roi.geometry);
       contour.Element(0x3006, 0x46, "IS", std::to_string(points.size()));

@@ -33,9 +33,9 @@ constexpr double kOnePlaneMm = 0.01;  ///< Contours nearer than this are of one 
 
 /// Interpreted types of what is planned or placed, not of what the patient has.
 constexpr std::array<std::string_view, 13> kNoTissue = {
-    "PTV",    "CTV",          "TREATED_VOLUME", "IRRAD_VOLUME", "BOLUS",       "SUPPORT",
-    "MARKER", "REGISTRATION", "ISOCENTER",      "FIXATION",     "DOSE_REGION", "CONTROL",
-    "DOSE_MEASUREMENT"};
+    "PTV",         "CTV",     "TREATED_VOLUME",  "IRRAD_VOLUME", "BOLUS",
+    "SUPPORT",     "MARKER",  "REGISTRATION",    "ISOCENTER",    "FIXATION",
+    "DOSE_REGION", "CONTROL", "DOSE_MEASUREMENT"};
 
 using Points = std::vector<Eigen::Vector3d>;  ///< Continuous indices of the grid.
 
@@ -225,12 +225,12 @@ std::pair<int, int> SlicesOf(const std::vector<Plane>& planes, std::size_t n, do
   const double at = planes[n].at;
   const double from =
       n == 0 ? at - 0.5 * step : std::max(at - 0.5 * step, 0.5 * (planes[n - 1].at + at));
-  const double to = n + 1 == planes.size() ? at + 0.5 * step
-                                           : std::min(at + 0.5 * step, 0.5 * (planes[n + 1].at + at));
+  const double to = n + 1 == planes.size()
+                        ? at + 0.5 * step
+                        : std::min(at + 0.5 * step, 0.5 * (planes[n + 1].at + at));
   // Rounding must not move a plane on a slice to the next one.
   const auto bounded = [&](double x) {
-    return static_cast<int>(
-        std::ceil(std::clamp(x - 1e-6, 0.0, static_cast<double>(num_slices))));
+    return static_cast<int>(std::ceil(std::clamp(x - 1e-6, 0.0, static_cast<double>(num_slices))));
   };
   return {bounded(from), bounded(to)};
 }

@@ -51,8 +51,7 @@ TEST_F(StructureSet, FillsContoursWithHolesOnTheGridOfTheCt) {
   const double truth_mm3 = std::numbers::pi * (15 * 15 - 5 * 5) * 6.0;
   EXPECT_NEAR(VolumeMm3(map), truth_mm3, 0.01 * truth_mm3);
   const auto at = [&](double x, double y, double z) {
-    const Eigen::Vector3d index =
-        map.values.geometry.index_from_ct() * Eigen::Vector3d(x, y, z);
+    const Eigen::Vector3d index = map.values.geometry.index_from_ct() * Eigen::Vector3d(x, y, z);
     return map.values.At(static_cast<int>(std::lround(index[0])),
                          static_cast<int>(std::lround(index[1])),
                          static_cast<int>(std::lround(index[2])));
