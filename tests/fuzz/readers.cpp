@@ -28,12 +28,14 @@
 #include "acus/data/volume/displacement_file.h"
 #include "acus/data/volume/named_values.h"
 #include "acus/data/volume/scalar_file.h"
+#include "acus/data/volume/structure_set.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/data/volume/vti_file.h"
 #include "acus/imaging/rf/matlab_file.h"
 #include "acus/physics/forces/laws/force_curve.h"
 #include "acus/rig/tracking/igtl_wire.h"
 #include "support/dicom_segmentation_writer.h"
+#include "support/structure_set_writer.h"
 
 namespace acus::fuzz {
 namespace {
@@ -196,6 +198,34 @@ void WriteSegmentation(Path folder) {
   testing_support::WriteDicomSegmentation(folder / "seed.dcm", object);
 }
 
+volume::Geometry SmallCtGrid() {
+  volume::Geometry grid;
+  grid.size = {8, 8, 4};
+  grid.spacing_mm = {2.0, 2.0, 3.0};
+  return grid;
+}
+
+void WriteContours(Path folder) {
+  testing_support::WriteStructureSet(
+      folder / "seed.dcm",
+      {{.name = "Liver",
+        .contours = {{{1, 1, 3}, {9, 1, 3}, {9, 9, 3}}, {{1, 1, 6}, {9, 1, 6}, {9, 9, 6}}}},
+       {.name = "PTV", .type = "PTV", .contours = {{{1, 1, 3}, {5, 1, 3}, {5, 9, 3}}}}});
+}
+
+/// Two volumes over time: four dimensions in the header of one.
+void WriteSeries(Path folder) {
+  WriteVolume(folder, ".nii");
+  std::string bytes = ReadTextFile(folder / "seed.nii");
+  bytes[40] = 4;
+  bytes[48] = 2;
+  WriteSeed(folder, "seed.nii", bytes + bytes.substr(352));
+}
+
+constexpr std::string_view kVtk =
+    "# vtk DataFile Version 4.2\nsurface SPACE=RAS\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n"
+    "0 0 0 1 0 0 0 1 0 0 0 1\nPOLYGONS 4 16\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+
 /// Two segments in two layers.
 void WriteSegments(Path folder) {
   volume::ScalarFile file = SmallVolume(2);
@@ -233,6 +263,19 @@ constexpr Reader kReaders[] = {
      }},
     {"dicom_segmentation", ".dcm", [](Path file) { volume::ReadDicomSegmentation(file); },
      WriteSegmentation},
+    {"structure_set", ".dcm", [](Path file) { volume::ReadStructureSet(file, SmallCtGrid()); },
+     WriteContours},
+    {"nifti_series", ".nii", [](Path file) { volume::ReadVolumeOf(file, 1); }, WriteSeries},
+    {"legacy_vtk", ".vtk", ReadSurfaceFile,
+     [](Path folder) { WriteSeed(folder, "seed.vtk", kVtk); }},
+    {"landmarks_fcsv", ".fcsv", [](Path file) { transforms::ReadLandmarks(file); },
+     [](Path folder) {
+       WriteSeed(folder, "seed.fcsv",
+                 "# CoordinateSystem = RAS\n# columns = "
+                 "id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n"
+                 "1,1,2,3,0,0,0,1,1,1,0,\"a, "
+                 "b\",,\n2,4,2,3,0,0,0,1,1,1,0,c,,\n3,1,8,3,0,0,0,1,1,1,0,d,,\n");
+     }},
     {"segments", ".seg.nrrd", [](Path file) { volume::ReadNamedValues(file); }, WriteSegments},
     {"wav", ".wav", [](Path file) { sound::ReadSound(file); },
      [](Path folder) {

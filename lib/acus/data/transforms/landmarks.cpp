@@ -273,6 +273,14 @@ Markers Chosen(const Markers& all,
   return chosen;
 }
 
+/// How tables in another form than the plain one were read.
+void SayHowRead(const Landmarks& reference, const Landmarks& ct, MarkerPairs& pairs) {
+  for (const Landmarks* landmarks : {&reference, &ct}) {
+    if (landmarks->how_read.empty()) continue;
+    pairs.warnings.push_back(Message(landmarks->source, ": ", landmarks->how_read));
+  }
+}
+
 MarkerPairs MatchByOrder(const Landmarks& reference, const Landmarks& ct) {
   ACUS_REQUIRE(reference.points_mm.cols() == ct.points_mm.cols(), reference.source, " has ",
                reference.points_mm.cols(), " points, ", ct.source, " has ", ct.points_mm.cols(),
@@ -284,6 +292,7 @@ MarkerPairs MatchByOrder(const Landmarks& reference, const Landmarks& ct) {
   }
   pairs.warnings.push_back(Message(reference.source, " and ", ct.source,
                                    " have no name in common: points are matched by their order"));
+  SayHowRead(reference, ct, pairs);
   return pairs;
 }
 
@@ -346,6 +355,7 @@ MarkerPairs MatchLandmarks(const Landmarks& reference, const Landmarks& ct, std:
   ACUS_REQUIRE(matches.size() >= least, reference.source, " and ", ct.source, " have only ",
                matches.size(), " names in common (", Joined(pairs.names), "); at least ", least,
                " points are needed");
+  SayHowRead(reference, ct, pairs);
   return pairs;
 }
 

@@ -195,6 +195,16 @@ TEST(MatchLandmarks, PairsByNameInWhateverOrder) {
               ElementsAre(HasSubstr("lacks 'only a'"), HasSubstr("lacks 'only b'")));
 }
 
+TEST(MatchLandmarks, SaysHowATableWasRead) {
+  Landmarks a = Points({"p", "q", "r"});
+  a.source = "tracker.csv";
+  a.how_read = "semicolons between cells, decimal comma";
+  EXPECT_THAT(MatchLandmarks(a, Points({"p", "q", "r"})).warnings,
+              ElementsAre("tracker.csv: semicolons between cells, decimal comma"));
+  EXPECT_THAT(MatchLandmarks(a, Points({"1", "2", "3"})).warnings,
+              ElementsAre(HasSubstr("by their order"), HasSubstr("decimal comma")));
+}
+
 TEST(MatchLandmarks, ErrorsStayWithTheirPoints) {
   Landmarks a = Points({"p", "q", "r"});
   Landmarks b = Points({"r", "p", "q"});
