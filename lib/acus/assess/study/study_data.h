@@ -30,6 +30,7 @@ struct TrialRecord {
   std::map<MetricKey, double> metrics;
   std::filesystem::path folder = {};  ///< Of its files; empty if it comes from a table.
   bool passed = true;                 ///< All musts of its exercise were met.
+  bool by_virtual_trainee = false;    ///< Simulated: no person did it.
 };
 
 struct Answer {
@@ -61,8 +62,8 @@ std::vector<TrialRecord> ReadTrials(std::span<const std::filesystem::path> paths
 std::vector<TrialRecord> FindTrials(std::span<const std::filesystem::path> folders,
                                     RunContext& context);
 
-/// trials.csv: code,group,exercise,trial,metric,unit,value; a row per metric of each trial. Reading
-/// it back gives the same trials, bit for bit.
+/// trials.csv: code,group,exercise,trial,metric,unit,value,virtual; a row per metric of each trial.
+/// Reading it back gives the same trials, bit for bit.
 std::string TrialsCsv(const Study& study, std::span<const TrialRecord> trials);
 
 /// Reads code,questionnaire,item,answer; rows without an answer are skipped.
