@@ -12,7 +12,7 @@ namespace acus::tuning {
 /// where the scenario has it.
 using Setting = std::map<std::string, nlohmann::json>;
 
-/// A value as users write and read it: "15", "0.5", "true", "fe_3d".
+/// A value as users write and read it: "15", "0.5", "on", "fe_3d".
 std::string ValueText(const nlohmann::json& value);
 
 /// What a user wrote, as a value: JSON ("on" and "off" are truth values), or else a word.

@@ -14,14 +14,14 @@ namespace acus::tuning {
 
 /// What a page says beside the numbers.
 struct PageContent {
-  std::vector<std::string> answer;     ///< To the question that was asked; may be empty.
-  std::vector<std::string> sentences;  ///< What each knob buys.
-  std::vector<std::string> remarks;    ///< What was left out, and why.
+  std::vector<std::string> answer;   ///< To the question that was asked; may be empty.
+  std::vector<std::string> remarks;  ///< What was left out, and why.
   PlotRemarks plots;
 };
 
-/// Writes tradeoff.html into `folder`, with tables, plots, machine and provenance, and the plots of
-/// all knobs together as force.svg, psnr.svg and ssim.svg, if there are such.
+/// Writes tradeoff.html into `folder`: what settings save and lose (savings.svg as well), then
+/// tables, plots, machine and provenance. Where all settings have one reference, their plots are
+/// also in force.svg, psnr.svg and ssim.svg.
 void WritePage(const std::filesystem::path& folder, const SweepResult& result,
                const PageContent& content, const RunContext& context);
 
