@@ -102,8 +102,7 @@ struct ExerciseOnDisplay {
   std::string name;
   std::string caption;  ///< Below the name, such as the place in a curriculum; may be empty.
   std::string target;
-  std::optional<double> tip_to_target_mm;
-  double target_radius_mm = 0.0;
+  bool target_reached = false;
   std::vector<Goal> goals;
   std::vector<Step> steps;
   std::optional<std::size_t> next_step;
@@ -122,6 +121,9 @@ struct DisplayFrame {
   double needle_graduation_mm = 0.0;               ///< Distance of the marks on its shaft; 0: none.
   std::optional<Eigen::Isometry3d> ct_from_probe;  ///< Nothing: not seen by the tracker.
   std::optional<Eigen::Vector3d> target_in_ct_mm;
+  /// The one distance that the window shows. In an exercise that of its report, of the needle as it
+  /// is held; else of the needle as images see it.
+  std::optional<double> tip_to_target_mm;
   /// Breath, of the field in PatientOnDisplay::in_overlay; null: at rest. Must live until Show()
   /// returns.
   const breathing::MotionMap* motion = nullptr;

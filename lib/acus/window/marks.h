@@ -47,7 +47,7 @@ void DrawSliceMarks(const DisplayFrame& frame, const PlaneOnScreen& plane, Sketc
 void DrawVideoMarks(const DisplayFrame& frame, const Rectangle& place, Sketch& sketch);
 
 /// From the tip, in mm. Nothing if one of them is not there.
-std::optional<double> TipToTargetMm(const DisplayFrame& frame);
+std::optional<double> ImagedTipToTargetMm(const DisplayFrame& frame);
 
 /// "12.3": a fixed number of digits after the point.
 std::string Digits(double value, int after_point);
