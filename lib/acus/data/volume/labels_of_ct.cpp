@@ -64,7 +64,8 @@ std::optional<std::string> WhyLabelsAreOfAnother(const CtVolume& ct, const Label
   });
   for (std::size_t n = 0; n < counts.size(); ++n) {
     const auto [voxels, fit] = counts[n];
-    const double share = static_cast<double>(fit) / static_cast<double>(std::max<std::size_t>(1, voxels));
+    const double share =
+        static_cast<double>(fit) / static_cast<double>(std::max<std::size_t>(1, voxels));
     if (voxels < kLeastVoxels || share >= kLeastShare) continue;
     return Message("only ", FixedText(100.0 * share, 0), " % of its ", kJudged[n].name, " has ",
                    kJudged[n].is_bone ? Message(kLeastBoneHu, " HU or more")

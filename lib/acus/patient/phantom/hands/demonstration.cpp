@@ -56,7 +56,8 @@ SessionSettings DemonstrationOf(const PatientField& field, const InsertionPlan& 
   out.name = kDemonstration;
   out.probe = OverTarget(field, plan, settings.probe);
   out.probe.gap_mm = -kPressedMm;
-  out.needle = {Move(To::kStart, kAdvanceMmPerS, out.probe.land_s + out.probe.sweep_s + kReadingDepthS)};
+  out.needle = {
+      Move(To::kStart, kAdvanceMmPerS, out.probe.land_s + out.probe.sweep_s + kReadingDepthS)};
   out.needle.push_back(Move(To::kSkin, kWithdrawMmPerS, 0.5));
   out.needle.back().breath = Breath::kHold;
   const double shallow_mm = std::min(kShallowMm, 0.5 * plan.length_mm());

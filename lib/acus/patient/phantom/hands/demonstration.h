@@ -8,10 +8,10 @@ namespace acus::phantom {
 /// Name and folder of the demonstration, beside `sessions`.
 inline constexpr const char* kDemonstration = "demonstration";
 
-/// The probe is pressed lightly to the skin where the target is in the middle of a narrow image, and
-/// rests there for 3 s.
-/// The needle is put to the skin, advanced a little and moved in and out, the breath is held, and the
-/// tip goes straight to the target, stays there for 3 s and is withdrawn. No bone is touched.
+/// The probe is pressed lightly to the skin where the target is in the middle of a narrow image,
+/// and rests there for 3 s. The needle is put to the skin, advanced a little and moved in and out,
+/// the breath is held, and the tip goes straight to the target, stays there for 3 s and is
+/// withdrawn. No bone is touched.
 /// @param settings  Of the patient's other session: its hands, its stand-off and its probe.
 /// @throws NoAnswerError if there is no skin where the probe is to lie.
 SessionSettings DemonstrationOf(const PatientField& field, const InsertionPlan& plan,
