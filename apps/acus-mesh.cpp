@@ -7,7 +7,7 @@
 #include "acus/patient/meshing/mesh_folder.h"
 
 int main(int argc, char** argv) {
-  std::filesystem::path labels, surface, mesh, config_path, folder;
+  std::filesystem::path labels, surface, mesh, config_path, corridor, folder;
   std::string from, to, probe, tissue = "soft_tissue";
   bool condenses = false, as_it_is = false, may_repair = false;
   CLI::App app{
@@ -21,7 +21,8 @@ int main(int argc, char** argv) {
       "\nEXAMPLE\n"
       "  acus-mesh labels.seg.nrrd -o mesh\n"
       "  acus-mesh labels.seg.nrrd --corridor-from 0,120,0 --corridor-to 0,30,0 --condense "
-      "-o fine\n");
+      "-o fine\n"
+      "  acus-mesh labels.seg.nrrd --corridor patient/corridor_ct.csv --condense -o fine\n");
   auto* labels_option =
       app.add_option("labels", labels, "Label map, such as acus-segment's labels.seg.nrrd")
           ->check(CLI::ExistingFile);
@@ -45,6 +46,11 @@ int main(int argc, char** argv) {
   auto* to_option = app.add_option("--corridor-to", to, "Its other end; elements are fine between");
   from_option->needs(to_option);
   to_option->needs(from_option);
+  app.add_option("--corridor", corridor,
+                 "Both ends: a file with the points entry and target, as corridor_ct.csv of\n"
+                 "acus-phantom")
+      ->check(CLI::ExistingFile)
+      ->excludes(from_option);
   auto* condense_option = app.add_flag(
       "--condense", condenses, "Compute the compliance of the nodes along the needle's path");
   mesh_option->needs(condense_option);
@@ -65,6 +71,10 @@ int main(int argc, char** argv) {
     config.as_it_is = as_it_is;
     config.surface.may_repair = may_repair;
     if (!from.empty()) acus::meshing::SetCorridor(config, from, to);
+    if (!corridor.empty()) {
+      acus::meshing::SetCorridorOfFile(config, corridor);
+      context.provenance.AddInput(corridor);
+    }
     if (condenses) {
       acus::meshing::RequestCondensation(config, document, config_path.parent_path(), probe);
       context.provenance.AddInput(config.condense->elasticity.file);

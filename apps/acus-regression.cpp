@@ -13,22 +13,22 @@ namespace {
 namespace fs = std::filesystem;
 using namespace acus::regression;
 
-acus::ExitCode Run(const Suite& suite, const fs::path& output, acus::RunContext& context) {
+acus::ExitCode Run(const Suite& suite, const fs::path& output, const fs::path& junit,
+                   acus::RunContext& context) {
   acus::AtomicFolder folder(output, context.overwrite);
   const SuiteResult result = RunSuite(suite, folder.path(), context);
   WriteResult(folder.path(), result, context);
   folder.Commit();
+  if (!junit.empty()) WriteJUnit(junit, result);
   std::cout << TextOf(result) << "Page: " << (output / "regression.html").string() << std::endl;
   if (result.passed()) return acus::ExitCode::kOk;
-  throw acus::NoAnswerError(
-      acus::Message("the outcome is not what is expected; look at the page, and if it is right, ",
-                    "acus-regression accept makes it the expected one"));
+  throw acus::NoAnswerError(AdviceText(result));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  fs::path suite_path, output, result, run_a, run_b;
+  fs::path suite_path, output, junit, result, run_a, run_b;
   std::vector<std::string> cases, changes;
   CLI::App app{
       "Replay a suite of recorded sessions and hold each run against what is expected of it;\n"
@@ -50,6 +50,7 @@ int main(int argc, char** argv) {
   }
   run->add_option("-o,--output", output, "Folder to make: regression.html, .json, all runs")
       ->required();
+  run->add_option("--junit", junit, "XML file to make, for servers that run tests (JUnit)");
   run->add_option("--set", changes,
                   "Change one value of the scenario of every case for this run:\n"
                   "/json/pointer=value; =null takes it out. The result cannot be accepted");
@@ -85,7 +86,7 @@ int main(int argc, char** argv) {
     const Suite suite = With(Only(ReadSuite(suite_path), cases), changes);
     context.provenance.AddInput(fs::is_directory(suite_path) ? suite_path / "suite.json"
                                                              : suite_path);
-    if (run->parsed()) return Run(suite, output, context);
+    if (run->parsed()) return Run(suite, output, junit, context);
     std::cout << AcceptResult(suite, result) << std::flush;
     return acus::ExitCode::kOk;
   });

@@ -196,11 +196,11 @@ def summary(output, plan, failed, problems, arguments):
         if "command" in one:
             print(f"  repeat: pipelines/provenance {output} --job {one['job']}", file=sys.stderr)
     if bad:
-        print(f"pipelines/cohort: {len(bad)} of {len(people)} participants failed", file=sys.stderr)
+        print(f"pipelines/cohort: {len(bad)} of {counted(len(people), 'participant')} failed", file=sys.stderr)
         return 4
     left = engine.to_do(output, plan)
     if left and arguments.level != "group":
-        print(f"pipelines/cohort: {len(left)} jobs were not run; see {output}/work/snakemake.log",
+        print(f"pipelines/cohort: not run: {counted(len(left), 'job')}; see {output}/work/snakemake.log",
               file=sys.stderr)
         return 4
     return 0

@@ -9,6 +9,7 @@ import budgets
 import pages
 import resources
 from files import read_json, write_json, write_tsv, write_whole
+from wording import counted
 
 OUTLIER_Z = 3.5  # Iglewicz and Hoaglin (1993), of the modified z-score.
 
@@ -105,7 +106,7 @@ def _metrics_part(output, rows, units):
         middle, spread = median_and_spread(values)
         table.append({"metric": column, "n": len(values), "median": middle, "spread": spread,
                       "min": min(values), "max": max(values), "outliers": len(flagged)})
-        parts.append(f"<h3>{html.escape(column)}</h3>{pages.strip_plot(values, unit, flagged)}<p>{len(values)} runs, "
+        parts.append(f"<h3>{html.escape(column)}</h3>{pages.strip_plot(values, unit, flagged)}<p>{counted(len(values), 'run')}, "
                      f"median {middle:.4g}, spread (1.4826 MAD) {spread:.4g}</p>")
         for i in sorted(flagged, key=lambda k: -abs(flagged[k]))[:5]:
             run = own[i]["run"]
@@ -186,12 +187,12 @@ def write(output, plan, failed, problems, limits=None):
         bad = [c for c in comparisons if c["passed"] == "false"]
         runs = {c["run"] for c in comparisons}
         differ = ["<h2>Comparison with the reference</h2>",
-                  f"<p>{len(runs) - len({c['run'] for c in bad})} of {len(runs)} replays are within their "
+                  f"<p>{len(runs) - len({c['run'] for c in bad})} of {counted(len(runs), 'replay')} within "
                   "tolerances.</p>", pages.table(["run", "quantity", "value", "limit", "remark"], [
                       [f'<a href="../{c["run"]}/comparison.html">{c["run"]}</a>', html.escape(c["quantity"]),
                        c["value"], c["limit"], html.escape(c["remark"])] for c in bad[:200]]), *differing]
     people = {j["participant"] for j in plan.jobs.values()} | {p["participant"] for p in problems}
-    body = ["<h1>Cohort</h1>", f"<p>{len(people)} participants, {len(rows)} replays.</p>", "<h2>Failures</h2>",
+    body = ["<h1>Cohort</h1>", f"<p>{counted(len(people), 'participant')}, {counted(len(rows), 'replay')}.</p>", "<h2>Failures</h2>",
             *_failures_part(output, failed, problems), *differ, "<h2>Metrics</h2>", *parts,
             "<p>Tables: <a href=\"metrics.tsv\">metrics.tsv</a>, <a href=\"distributions.tsv\">distributions.tsv"
             "</a>, <a href=\"failures.tsv\">failures.tsv</a>; <a href=\"times.html\">time, memory and budgets</a></p>"]

@@ -8,6 +8,7 @@ import statistics
 import pages
 import user
 from files import UserError, read_json, read_tsv, write_tsv, write_whole
+from wording import counted
 
 HEADER = ("version", "quantity", "n", "min", "q1", "median", "q3", "max", "outside")
 NUMBERS = HEADER[3:8]
@@ -205,7 +206,7 @@ def run(arguments):
     output = pathlib.Path(arguments.output)
     write_tsv(output / "trends.tsv", HEADER, [row for _, rows in runs for row in rows])
     write_whole(output / "trends.html", page_of(runs))
-    print(f"{output}/trends.html: {len(runs)} versions")
+    print(f"{output}/trends.html: {counted(len(runs), 'version')}")
     return 0
 
 

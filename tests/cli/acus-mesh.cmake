@@ -31,7 +31,7 @@ acus_add_cli_case(acus-mesh.bad_config EXIT 3 LEAVES_NOTHING
   STDERR "/smoothing: unknown key; did you mean \"smoothing_mm\""
   COMMAND acus-mesh --surface cube.obj --config c.json -o mesh)
 acus_add_cli_case(acus-mesh.condense_without_corridor EXIT 3 LEAVES_NOTHING BEFORE "${mesh_cube}"
-  STDERR "give --corridor-from and --corridor-to"
+  STDERR "give --corridor, or --corridor-from and --corridor-to"
   COMMAND acus-mesh --surface cube.obj --condense -o mesh)
 acus_add_cli_case(acus-mesh.condense_without_fixed_nodes EXIT 3 LEAVES_NOTHING BEFORE "${mesh_cube}"
   STDERR "no node of the mesh is fixed" "fixed_tissues"
@@ -41,6 +41,10 @@ acus_add_cli_case(acus-mesh.condense_nothing_to_move EXIT 3 LEAVES_NOTHING BEFOR
   STDERR "every node of the mesh is held"
   COMMAND acus-mesh --surface cube.obj --tissue bone --condense
           --corridor-from 4,4,9 --corridor-to 4,4,2 -o mesh)
+acus_add_cli_case(acus-mesh.corridor_without_target EXIT 3 LEAVES_NOTHING
+  BEFORE "${mesh_cube}\nprintf 'name,x_mm,y_mm,z_mm\nentry,4,4,9\n' > c.csv"
+  STDERR "--corridor c.csv: has no point .target."
+  COMMAND acus-mesh --surface cube.obj --corridor c.csv -o mesh)
 acus_add_cli_case(acus-mesh.mesh_without_condense EXIT 2 LEAVES_NOTHING BEFORE "echo x > mesh.vtu"
   STDERR "--mesh requires --condense" COMMAND acus-mesh --mesh mesh.vtu -o out)
 acus_add_cli_case(acus-mesh.broken_mesh EXIT 3 LEAVES_NOTHING BEFORE "echo x > mesh.vtu"
@@ -49,6 +53,9 @@ acus_add_cli_case(acus-mesh.broken_mesh EXIT 3 LEAVES_NOTHING BEFORE "echo x > m
 acus_add_cli_case(acus-mesh.bad_probe EXIT 3 LEAVES_NOTHING BEFORE "echo x > mesh.vtu"
   STDERR "--probe-at: '1,2' is not a point" COMMAND acus-mesh --mesh mesh.vtu --condense
           --corridor-from 4,4,9 --corridor-to 4,4,2 --probe-at 1,2 -o out)
+acus_add_cli_case(acus-mesh.condense_along_the_corridor_of_a_file EXIT 0 NEEDS inputs
+  BEFORE "printf 'name,x_mm,y_mm,z_mm\nentry,7,7,25\ntarget,7,7,10\n' > c.csv && acus-mesh --mesh $INPUTS/box.vtu --condense --corridor-from 7,7,25 --corridor-to 7,7,10 -o one >/dev/null && acus-mesh --mesh $INPUTS/box.vtu --condense --corridor c.csv -o two >/dev/null"
+  COMMAND cmp one/compliance.acc two/compliance.acc)
 acus_add_cli_case(acus-mesh.condense_mesh EXIT 0 NEEDS inputs
   BEFORE "ln -s $INPUTS/box.vtu ." CREATES out/mesh.vtu out/compliance.acc out/condensation.json
           out/provenance.json

@@ -1,10 +1,10 @@
 # acus-study: from the plan to the report.
 acus_add_cli_case(acus-study.plan EXIT 0 NEEDS inputs
-  STDOUT "^4 participants, 1 exercises of 2 trials each"
+  STDOUT "^4 participants, 1 exercise of 2 trials each"
   CREATES p/order.csv p/answers.csv p/provenance.json
   COMMAND acus-study plan $INPUTS/study.json -o p)
 acus_add_cli_case(acus-study.report EXIT 0 NEEDS inputs
-  STDOUT "^Small study: 8 trials" "separate novice from expert: .*needle elapsed time" "do not: "
+  STDOUT "^Small study: 8 trials" "Too few participants" "distinguish novice from expert: none" "do not: .*needle elapsed time .p 1.000"
   CREATES r/study.html r/trials.csv r/descriptive.csv r/comparison.csv r/learning.csv
           r/reliability.csv r/items.csv r/answers.csv r/provenance.json
   BEFORE "acus-study plan $INPUTS/study.json -o p >/dev/null && sed '2,$s/$/4/' p/answers.csv > a.csv"

@@ -20,6 +20,10 @@ ExerciseOnDisplay::Goal GoalToShow(const replay::GoalNow& goal) {
   out.limit = training::GoalText(result.goal, result.unit);
   if (goal.at_end) {
     out.value = "in the report";
+  } else if (result.goal.metric.starts_with("tip to target") && result.value) {
+    // Of another moment: its number beside the distance now would be two answers to one question.
+    out.value = result.met ? "met so far" : "not yet";
+    out.severity = result.met ? Severity::kGood : Severity::kNote;
   } else if (result.value) {
     out.value = WithUnit(RoundedText(*result.value, 3), result.unit);
     out.severity = result.met ? Severity::kGood : Severity::kWarning;
@@ -151,8 +155,7 @@ ExerciseOnDisplay ExerciseToShow(const training::Exercise& exercise,
   ExerciseOnDisplay out;
   out.name = exercise.name;
   out.target = exercise.target_name;
-  out.tip_to_target_mm = tip_to_target_mm;
-  out.target_radius_mm = exercise.target_radius_mm;
+  out.target_reached = tip_to_target_mm && *tip_to_target_mm <= exercise.target_radius_mm;
   for (const replay::GoalNow& goal : progress.goals) out.goals.push_back(GoalToShow(goal));
   for (const training::StepResult& step : progress.checklist) {
     out.steps.push_back({step.text, step.state});
@@ -172,14 +175,9 @@ void DrawExercise(const ExerciseOnDisplay& exercise, const Rectangle& place, con
   Column column(place, sizes, sketch);
   column.Text(exercise.name, palette::kText, 0, true);
   if (!exercise.caption.empty()) column.Text(exercise.caption, palette::kFaint, 0);
-  if (exercise.tip_to_target_mm) {
-    const double mm = *exercise.tip_to_target_mm;
-    const bool reached = mm <= exercise.target_radius_mm;
-    column.Pair(reached ? Severity::kGood : Severity::kNote, "To " + exercise.target,
-                Digits(mm, mm < 9.95 ? 1 : 0) + " mm", reached ? palette::kGood : palette::kText);
-  } else {
-    column.Text("Target: " + exercise.target, palette::kText, 0);
-  }
+  column.Text(
+      exercise.target_reached ? "At the target: " + exercise.target : "Target: " + exercise.target,
+      exercise.target_reached ? palette::kGood : palette::kText, 0);
   DrawGoals(exercise, column);
   DrawSteps(exercise, column);
 }

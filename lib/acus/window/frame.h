@@ -104,8 +104,7 @@ struct ExerciseOnDisplay {
   std::string name;
   std::string caption;  ///< Below the name, such as the position in a curriculum; may be empty.
   std::string target;
-  std::optional<double> tip_to_target_mm;
-  double target_radius_mm = 0.0;
+  bool target_reached = false;
   std::vector<Goal> goals;
   std::vector<Step> steps;
   std::optional<std::size_t> next_step;
@@ -124,6 +123,9 @@ struct DisplayFrame {
   double needle_graduation_mm = 0.0;               ///< Distance of the marks on its shaft; 0: none.
   std::optional<Eigen::Isometry3d> ct_from_probe;  ///< Nothing: not seen by the tracker.
   std::optional<Eigen::Vector3d> target_in_ct_mm;
+  /// The one distance that the window shows. In an exercise that of its report, of the needle in
+  /// the hand; otherwise of the needle as images show it.
+  std::optional<double> tip_to_target_mm;
   /// Motion by breath, for PatientOnDisplay::in_overlay; null: at rest. Must live until Show()
   /// returns.
   const breathing::MotionMap* motion = nullptr;

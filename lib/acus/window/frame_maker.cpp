@@ -6,6 +6,7 @@
 #include "acus/scene/simulation/probe_image_renderer.h"
 #include "acus/window/coach.h"
 #include "acus/window/exercise_panel.h"
+#include "acus/window/marks.h"
 
 namespace acus::window {
 namespace {
@@ -75,6 +76,7 @@ void FrameMaker::AddTools(const live::LiveImage& image) {
   if (const live::LiveExercise* exercise = session_.exercise()) {
     if (exercise->target_in_ct_mm()) frame_.target_in_ct_mm = exercise->target_in_ct_mm();
   }
+  frame_.tip_to_target_mm = ImagedTipToTargetMm(frame_);
 }
 
 void FrameMaker::AddImages(const live::LiveImage& image) {
@@ -186,6 +188,8 @@ void FrameMaker::AddExercise(const live::LiveImage& image, bool steers_probe) {
   if (view.now.probe_seen && !view.now.probe_on_skin) {
     view.gap_to_skin_mm = training::GapToSkinMm(probe.reference_from_tool, label_at_);
   }
+  if (live != nullptr && live->target_in_ct_mm())
+    frame_.tip_to_target_mm = view.now.tip_to_target_mm;
   if (exercise.hints.coach) frame_.coach = CoachLine(view);
   if (live != nullptr) {
     frame_.exercise = ExerciseToShow(exercise, live->progress(), view.now.tip_to_target_mm, trial_);

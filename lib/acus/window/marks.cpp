@@ -156,11 +156,8 @@ void DrawUltrasoundMarks(const DisplayFrame& frame, const Rectangle& place,
   }
   sketch.SetClip(place);
   const int below = place.top + place.height - sizes.normal_px - 8;
-  std::string readout = "Depth " + Digits(probe.depth_mm / 10.0, 1) + " cm    Gain " +
-                        Digits(probe.gain_db, 0) + " dB";
-  if (const auto distance = TipToTargetMm(frame)) {
-    readout += "    Tip to target " + Digits(*distance, 0) + " mm";
-  }
+  const std::string readout = "Depth " + Digits(probe.depth_mm / 10.0, 1) + " cm    Gain " +
+                              Digits(probe.gain_db, 0) + " dB";
   sketch.Text(Corner(place.left + place.width / 2, below), readout,
               {.size_px = sizes.small_px, .align = Align::kMiddle}, place.width - 20);
   if (frame.ultrasound.frozen) {
@@ -227,7 +224,7 @@ void DrawVideoMarks(const DisplayFrame& frame, const Rectangle& place, Sketch& s
   }
 }
 
-std::optional<double> TipToTargetMm(const DisplayFrame& frame) {
+std::optional<double> ImagedTipToTargetMm(const DisplayFrame& frame) {
   if (!frame.needle || !frame.target_in_ct_mm) return std::nullopt;
   const image::NeedleInImage& needle = *frame.needle;
   const Eigen::Vector3d tip =

@@ -46,8 +46,8 @@ void DrawSliceMarks(const DisplayFrame& frame, const PlaneOnScreen& plane, Sketc
 /// Needle, target and the probe's plane over the video.
 void DrawVideoMarks(const DisplayFrame& frame, const Rectangle& place, Sketch& sketch);
 
-/// Distance from the tip to the target, mm. Nothing if one of them does not exist.
-std::optional<double> TipToTargetMm(const DisplayFrame& frame);
+/// Distance from the tip in the images to the target, mm. Nothing if one of them does not exist.
+std::optional<double> ImagedTipToTargetMm(const DisplayFrame& frame);
 
 /// "12.3": a fixed number of digits after the point.
 std::string Digits(double value, int after_point);

@@ -42,7 +42,9 @@ class Loop {
     const auto video = tracker == nullptr ? nullptr : tracker->Latest();
     if (image.number > 0) {
       if (now_ns > notice_until_ns_) frames_.SetNotice("");
-      window_.Show(frames_.Make(image, video.get(), !steers_needle_));
+      const DisplayFrame& frame = frames_.Make(image, video.get(), !steers_needle_);
+      tip_to_target_mm_ = frame.tip_to_target_mm;
+      window_.Show(frame);
       if (num_shown_++ == 0) first_shown_ns_ = MonotonicNs();
       last_shown_ns_ = MonotonicNs();
     }
@@ -90,7 +92,8 @@ class Loop {
     const HandInput input = window_.TakeHandInput();
     if (input.pedal) session_.HoldPedal();
     const live::HeldTool held = session_.HeldBy(steers_needle_);
-    Steer(held.hand.get(), held.handle_from_tool, input, dt_s, held.may_advance);
+    Steer(held.hand.get(), held.handle_from_tool, input, dt_s, held.may_advance,
+          steers_needle_ ? SpeedShare(tip_to_target_mm_) : 1.0);
   }
 
   live::LiveSession& session_;
@@ -101,6 +104,7 @@ class Loop {
   SessionAbilities abilities_;
   std::int64_t notice_until_ns_ = 0;
   bool steers_needle_ = true;
+  std::optional<double> tip_to_target_mm_;
   std::int64_t last_ns_ = 0;
   std::int64_t num_shown_ = 0;
   std::int64_t first_shown_ns_ = 0;

@@ -23,25 +23,22 @@ std::string ClockText(double session_s) {
   return std::to_string(seconds / 60) + ":" + two(seconds % 60);
 }
 
-/// All lines that fit, the worst first.
+/// Inserts failed steps of the exercise before messages about the computer.
+void AddFailedSteps(const ExerciseOnDisplay& exercise, std::vector<StatusLine>& lines) {
+  std::size_t place = 0;
+  for (const ExerciseOnDisplay::Step& step : exercise.steps) {
+    if (step.state != training::StepState::kFailed) continue;
+    lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(place++),
+                 {.severity = Severity::kWarning, .text = "Failed: " + step.text + "."});
+  }
+}
+
+/// All lines that fit.
 void DrawLines(const DisplayFrame& frame, const ViewChoice& choice, const Rectangle& place,
                const TextSizes& sizes, Sketch& sketch) {
-  std::vector<StatusLine> lines = frame.status;
-  if (choice.quit_asked) {
-    lines.insert(lines.begin(),
-                 {.severity = Severity::kFault, .text = "Press Q again to end the session."});
-  }
+  const std::vector<StatusLine> lines = LinesToShow(frame, choice);
   const bool is_calm = std::ranges::none_of(
       lines, [](const StatusLine& line) { return line.severity >= Severity::kWarning; });
-  if (!frame.coach.empty()) {
-    lines.insert(lines.begin(), {.severity = Severity::kNote, .text = frame.coach});
-  } else if (lines.empty()) {
-    lines.push_back({.severity = Severity::kGood, .text = "All is well."});
-  }
-  // Good states come after messages, faults before.
-  std::ranges::stable_sort(lines, std::ranges::greater(), [](const StatusLine& line) {
-    return std::max(line.severity, Severity::kNote);
-  });
   const int step = sketch.TextHeight(sizes.normal_px) + 7;
   int row = place.top + 10;
   for (const StatusLine& line : lines) {
@@ -89,7 +86,7 @@ void DrawForce(std::string_view name, const std::optional<double>& force_n, doub
 
 void DrawDistance(const DisplayFrame& frame, const Rectangle& place, const TextSizes& sizes,
                   Sketch& sketch) {
-  const auto distance = TipToTargetMm(frame);
+  const auto& distance = frame.tip_to_target_mm;
   const int middle = place.left + place.width / 2;
   sketch.Text(StatusBarCorner(middle, place.top), "Tip to target",
               {.size_px = sizes.small_px, .colour = palette::kFaint, .align = Align::kMiddle},
@@ -149,6 +146,25 @@ void DrawNumbers(const DisplayFrame& frame, const ViewChoice& choice,
 }
 
 }  // namespace
+
+std::vector<StatusLine> LinesToShow(const DisplayFrame& frame, const ViewChoice& choice) {
+  std::vector<StatusLine> lines = frame.status;
+  if (choice.quit_asked) {
+    lines.insert(lines.begin(),
+                 {.severity = Severity::kFault, .text = "Press Q again to end the session."});
+  }
+  if (frame.exercise) AddFailedSteps(*frame.exercise, lines);
+  if (!frame.coach.empty()) {
+    lines.insert(lines.begin(), {.severity = Severity::kNote, .text = frame.coach});
+  } else if (lines.empty()) {
+    lines.push_back({.severity = Severity::kGood, .text = "All is well."});
+  }
+  // Good states come after messages, faults before.
+  std::ranges::stable_sort(lines, std::ranges::greater(), [](const StatusLine& line) {
+    return std::max(line.severity, Severity::kNote);
+  });
+  return lines;
+}
 
 Colour ColourOf(Severity severity) noexcept {
   switch (severity) {

@@ -11,6 +11,10 @@ namespace acus::window {
 
 Colour ColourOf(Severity severity) noexcept;
 
+/// What the bar says, the worst first; among equals what concerns the patient before the computer.
+/// "All is well." only where nothing else is to be said and no step of the exercise has failed.
+std::vector<StatusLine> LinesToShow(const DisplayFrame& frame, const ViewChoice& choice);
+
 void DrawStatusBar(const DisplayFrame& frame, const ViewChoice& choice,
                    const std::optional<VolumeReadout>& volume, const Rectangle& place,
                    const TextSizes& sizes, Sketch& sketch);

@@ -101,6 +101,16 @@ TEST(Steering, MovesAlongTheNeedleAndAsTheMouseGoes) {
   held.fine = true;
   EXPECT_NEAR(WayOf(held, Eigen::Isometry3d::Identity(), 0.1).way_mm.x(), -0.3, 1e-12);
   EXPECT_TRUE(WayOf({}, device_from_tool, 0.1).IsZero());
+  EXPECT_NEAR(WayOf(held, Eigen::Isometry3d::Identity(), 0.1, 0.5).way_mm.x(), -0.15, 1e-12);
+}
+
+TEST(SpeedShare, FallsTowardsTheTarget) {
+  EXPECT_EQ(SpeedShare(std::nullopt), 1.0);
+  EXPECT_EQ(SpeedShare(100.0), 1.0);
+  EXPECT_DOUBLE_EQ(SpeedShare(20.0), 0.5);
+  // A tap of a tenth of a second is less than the 3 mm that a target of a puncture leaves.
+  EXPECT_LT(0.1 * kHeldMmPerS * SpeedShare(0.5), 1.0);
+  EXPECT_GT(SpeedShare(0.0), 0.0);
 }
 
 TEST(Steering, TheGoalStaysWhereTheNeedleIsHeld) {

@@ -9,6 +9,7 @@
 #include "acus/assess/regression/comparison/tolerances.h"
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
+#include "acus/base/core/counted.h"
 #include "acus/base/core/error.h"
 #include "acus/run/replay/replay.h"
 #include "acus/scene/scenario/scenario.h"
@@ -68,7 +69,8 @@ json PatientOf(const fs::path& folder, const NewSuite& suite) {
   for (const auto& [key, path] : {std::pair{"ct", &suite.ct},
                                   {"labels", &suite.labels},
                                   {"ct_from_reference_file", &suite.transform}}) {
-    if (!path->empty()) patient[key] = PathFrom(folder, *path);
+    if (!path->empty())
+      patient[key] = *path == "identity" ? path->string() : PathFrom(folder, *path);
   }
   return patient;
 }
@@ -120,7 +122,8 @@ std::string WriteNewSuite(const fs::path& output, const NewSuite& suite, RunCont
   config::WriteJson(files.path() / "suite.json", document);
   config::WriteJson(files.path() / "provenance.json", context.provenance.ToJson());
   files.Commit();
-  std::string text = Message((output / "suite.json").string(), ": ", names.size(), " cases:");
+  std::string text = Message((output / "suite.json").string(), ": ",
+                             Counted(static_cast<std::int64_t>(names.size()), "case"), ":");
   for (const std::string& name : names) text += " " + name;
   return text + "\nNothing is expected yet. Next: acus-regression run " + output.string() +
          " -o RESULT, look at RESULT/regression.html, acus-regression accept " + output.string() +
@@ -149,8 +152,8 @@ std::function<std::string(RunContext& context)> AddNewSuiteOptions(CLI::App& com
       ->check(CLI::ExistingFile);
   command
       .add_option("--transform", suite.transform,
-                  "ct_from_reference.tfm of acus-register, in place of the scenario's")
-      ->check(CLI::ExistingFile);
+                  "ct_from_reference.tfm of acus-register in place of the scenario's, or identity")
+      ->check(CLI::ExistingFile | CLI::IsMember({"identity"}));
   command.add_option("--set", suite.changes,
                      "Change one value of the scenario in all cases: /json/pointer=value");
   command

@@ -3,10 +3,13 @@
 #include <algorithm>
 
 #include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
+#include "acus/base/core/counted.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/text_table.h"
 #include "acus/base/core/words.h"
 #include "acus/base/report/html_report.h"
+#include "acus/base/report/markup.h"
 
 namespace acus::regression {
 namespace {
@@ -62,7 +65,9 @@ std::vector<std::vector<std::string>> Rows(const SuiteResult& result) {
 
 std::string SummaryOf(const SuiteResult& result) {
   const auto num_same = std::ranges::count(result.cases, Verdict::kSame, &CaseResult::verdict);
-  return Message(num_same, " of ", result.cases.size(), " cases are as expected.");
+  const auto count = static_cast<std::int64_t>(result.cases.size());
+  return Message(num_same, " of ", Counted(count, "case"), count == 1 ? " is" : " are",
+                 " as expected.");
 }
 
 std::string NumberOrDash(const std::optional<double>& value) {
@@ -161,6 +166,43 @@ void WriteResult(const fs::path& folder, const SuiteResult& result, const RunCon
   document["provenance"] = context.provenance.ToJson();
   config::WriteJson(folder / "regression.json", document);
   config::WriteJson(folder / "provenance.json", context.provenance.ToJson());
+}
+
+void WriteJUnit(const fs::path& file, const SuiteResult& result) {
+  using report::Escaped;
+  const auto count = [&result](std::initializer_list<Verdict> verdicts) {
+    return std::ranges::count_if(result.cases, [verdicts](const CaseResult& c) {
+      return std::ranges::find(verdicts, c.verdict) != verdicts.end();
+    });
+  };
+  const std::string suite = Escaped(
+      result.description.empty() ? result.suite_folder.filename().string() : result.description);
+  std::string text = Message("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n",
+                             "<testsuite name=\"", suite, "\" tests=\"", result.cases.size(),
+                             "\" failures=\"", count({Verdict::kMoved, Verdict::kNew}),
+                             "\" errors=\"", count({Verdict::kNoResult}), "\">\n");
+  for (const CaseResult& c : result.cases) {
+    text += Message("<testcase classname=\"", suite, "\" name=\"", Escaped(c.name), "\" time=\"",
+                    FixedText(c.timing.cpu_s, 3), "\">");
+    if (c.verdict != Verdict::kSame) {
+      const char* tag = c.verdict == Verdict::kNoResult ? "error" : "failure";
+      const std::string all = c.comparison ? Joined(c.comparison->failed(), "\n") : FirstTrouble(c);
+      text += Message("<", tag, " type=\"", WordOf(c.verdict), "\" message=\"",
+                      Escaped(FirstTrouble(c)), "\">", Escaped(all), "</", tag, ">");
+    }
+    text += "</testcase>\n";
+  }
+  WriteTextFile(file, text + "</testsuite>\n</testsuites>\n");
+}
+
+std::string AdviceText(const SuiteResult& result) {
+  if (!result.set.empty()) {
+    return Message("with ", Joined(result.set),
+                   " the outcome is not the one without; that is what ",
+                   "this change does, and cannot be accepted");
+  }
+  return "the outcome is not what is expected; look at the page, and if it is right, "
+         "acus-regression accept makes it the expected one";
 }
 
 }  // namespace acus::regression

@@ -18,7 +18,8 @@ Case CaseOf(const json& entry, const fs::path& folder, const std::string& suite_
   c.scenario = config::FindConfig(entry.at("scenario").get<std::string>(), folder);
   c.session = folder / entry.at("session").get<std::string>();
   for (const auto& [key, path] : entry.at("patient").items()) {
-    c.changes.push_back({"/patient/" + key, (folder / path.get<std::string>()).string()});
+    const std::string name = path.get<std::string>();
+    c.changes.push_back({"/patient/" + key, name == "identity" ? name : (folder / name).string()});
   }
   for (const json& change : entry.at("set")) {
     c.changes.push_back(scenario::ForAnyFolder(scenario::ParseOverride(change), folder));

@@ -33,19 +33,19 @@ Comparison Compare(const GroupValues& first, const GroupValues& second, const St
   comparison.test = MannWhitney(second.values, first.values);
   comparison.auc = AreaUnderCurve(second.values, first.values);
   comparison.cliffs_delta = 2.0 * comparison.auc - 1.0;
-  const auto interval = [&](const TwoSampleStatistic& statistic, const char* what) {
-    return BootstrapInterval(second.values, first.values, statistic, settings.confidence,
-                             settings.bootstrap_draws, study.seed, what + name);
-  };
-  comparison.delta_interval = interval(CliffsDelta, "delta ");
+  if (std::min(first.values.size(), second.values.size()) >= kLeastToDrawAgain) {
+    comparison.delta_interval =
+        BootstrapInterval(second.values, first.values, CliffsDelta, settings.confidence,
+                          settings.bootstrap_draws, study.seed, "delta " + name);
+  }
   const bool has_pairs = first.values.size() >= 2 && second.values.size() >= 2;
   const double g = has_pairs ? HedgesG(second.values, first.values) : NAN;
   if (!std::isnan(g)) {
     comparison.hedges_g = g;
-    comparison.g_interval = interval(HedgesG, "g ");
+    comparison.g_interval =
+        IntervalOfG(g, second.values.size(), first.values.size(), settings.confidence);
     comparison.next_study = SizeForPower(*comparison.hedges_g, settings.power, settings.alpha);
   }
-  comparison.separates = comparison.DirectedAuc() >= settings.separating_auc;
   return comparison;
 }
 
@@ -118,8 +118,8 @@ MetricAnalysis AnalyseMetric(const Study& study, std::span<const TrialRecord> tr
   return analysis;
 }
 
-/// Corrects the p values of one exercise for their number.
-void CorrectForNumber(std::span<MetricAnalysis> metrics) {
+/// Corrects the p values of one exercise for their number, and decides by them.
+void CorrectForNumber(std::span<MetricAnalysis> metrics, const AnalysisSettings& settings) {
   std::vector<double> p;
   for (const MetricAnalysis& metric : metrics) {
     if (metric.comparison) p.push_back(metric.comparison->test.p);
@@ -127,7 +127,10 @@ void CorrectForNumber(std::span<MetricAnalysis> metrics) {
   const std::vector<double> corrected = HolmCorrected(p);
   auto next = corrected.begin();
   for (MetricAnalysis& metric : metrics) {
-    if (metric.comparison) metric.comparison->p_holm = *next++;
+    if (!metric.comparison) continue;
+    metric.comparison->p_holm = *next++;
+    metric.comparison->separates = metric.comparison->DirectedAuc() >= settings.separating_auc &&
+                                   metric.comparison->p_holm < settings.alpha;
   }
 }
 
@@ -197,7 +200,7 @@ StudyAnalysis Analyse(const Study& study, std::span<const TrialRecord> trials,
     for (const MetricKey& key : keys) {
       analysis.metrics.push_back(AnalyseMetric(study, trials, exercise, key));
     }
-    CorrectForNumber(std::span(analysis.metrics).subspan(from));
+    CorrectForNumber(std::span(analysis.metrics).subspan(from), study.analysis);
   }
   for (const Questionnaire& questionnaire : study.questionnaires) {
     analysis.questionnaires.push_back(AnalyseAnswers(study, questionnaire, answers));

@@ -37,11 +37,13 @@ struct Comparison {
   double p_holm = 1.0;        ///< Corrected for the number of metrics of the exercise.
   double auc = 0.5;           ///< P(second > first); below 0.5: the first has the larger values.
   double cliffs_delta = 0.0;  ///< Delta of the second group relative to the first.
-  Interval delta_interval;
+  /// By bootstrap; with kLeastToDrawAgain values in each group.
+  std::optional<Interval> delta_interval;
   std::optional<double> hedges_g;  ///< With two values in each group, and scatter in one.
   std::optional<Interval> g_interval;
-  SampleSize next_study;   ///< For a new study to detect this g.
-  bool separates = false;  ///< max(auc, 1 - auc) is at least AnalysisSettings::separating_auc.
+  SampleSize next_study;  ///< For a new study to detect this g.
+  /// max(auc, 1 - auc) is at least AnalysisSettings::separating_auc, and p_holm below alpha.
+  bool separates = false;
 
   /// The area in the direction in which the groups differ.
   double DirectedAuc() const { return auc < 0.5 ? 1.0 - auc : auc; }

@@ -1,6 +1,7 @@
 #include "acus/assess/study/effect_size.h"
 
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/non_central_t.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
@@ -45,6 +46,35 @@ double HedgesG(std::span<const double> a, std::span<const double> b) {
   for (const double x : b) largest = std::max(largest, std::abs(x));
   if (!(pooled > kRounding * largest)) return std::numeric_limits<double>::quiet_NaN();
   return (math::Mean(a) - math::Mean(b)) / pooled * (1.0 - 3.0 / (4.0 * (m + n) - 9.0));
+}
+
+Interval IntervalOfG(double g, std::size_t m, std::size_t n, double confidence) {
+  const double count = static_cast<double>(m + n);
+  const double scale = std::sqrt(static_cast<double>(m) * static_cast<double>(n) / count);
+  const double correction = 1.0 - 3.0 / (4.0 * count - 9.0);
+  const double degrees = count - 2.0;
+  const double t = g / correction * scale;
+  // Far out, T is the shift over an estimated SD, and the scatter about the shift adds nothing.
+  constexpr double kFarOut = 60.0;
+  constexpr double kReach = 10.0;
+  const boost::math::chi_squared squares(degrees);
+  const double least = std::sqrt(quantile(squares, 0.5 - 0.5 * confidence) / degrees);
+  const double most = std::sqrt(quantile(squares, 0.5 + 0.5 * confidence) / degrees);
+  if (t > kFarOut) return {g * least, g * most};
+  if (t < -kFarOut) return {g * most, g * least};
+  // The shift of which a t as great as this, or as small, is as rare as the confidence says.
+  const auto shift_with = [&](double share_below) {
+    double low = -std::abs(t) * most - kReach, high = std::abs(t) * most + kReach;
+    for (int i = 0; i < 60; ++i) {
+      const double middle = 0.5 * (low + high);
+      const double below = std::abs(middle) < 1e-9
+                               ? cdf(boost::math::students_t(degrees), t)
+                               : cdf(boost::math::non_central_t(degrees, middle), t);
+      (below > share_below ? low : high) = middle;
+    }
+    return 0.5 * (low + high) / scale * correction;
+  };
+  return {shift_with(0.5 + 0.5 * confidence), shift_with(0.5 - 0.5 * confidence)};
 }
 
 Interval BootstrapInterval(std::span<const double> a, std::span<const double> b,

@@ -5,6 +5,7 @@
 
 #include "acus/assess/study/csv_cell.h"
 #include "acus/base/core/atomic_file.h"
+#include "acus/base/core/counted.h"
 #include "acus/base/core/csv.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/text_table.h"
@@ -44,8 +45,8 @@ std::vector<std::vector<std::string>> RowsOfGoals(const GroupComparison& compari
 }
 
 std::string GroupText(const GroupComparison& comparison) {
-  return Message("Reference group: ", comparison.num_persons, " persons, ", comparison.num_trials,
-                 " trials",
+  return Message("Reference group: ", Counted(comparison.num_persons, "person"), ", ",
+                 Counted(comparison.num_trials, "trial"),
                  comparison.num_persons < kFewestPersons ? "; too few persons for intervals" : "");
 }
 

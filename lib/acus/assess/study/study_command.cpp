@@ -7,6 +7,7 @@
 #include "acus/assess/study/study_report.h"
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
+#include "acus/base/core/counted.h"
 
 namespace acus::study {
 namespace {
@@ -38,9 +39,10 @@ std::string RunPlan(const StudyOptions& options, RunContext& context) {
   }
   config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
   folder.Commit();
-  return Message(study.participants.size(), " participants, ", study.exercises.size(),
-                 " exercises of ", study.trials,
-                 " trials each: ", (options.output / "order.csv").string(), "\n");
+  return Message(Counted(static_cast<std::int64_t>(study.participants.size()), "participant"), ", ",
+                 Counted(static_cast<std::int64_t>(study.exercises.size()), "exercise"), " of ",
+                 Counted(study.trials, "trial"), " each: ", (options.output / "order.csv").string(),
+                 "\n");
 }
 
 std::string RunReport(const StudyOptions& options, RunContext& context) {
@@ -62,7 +64,8 @@ std::string RunExport(const StudyOptions& options, RunContext& context) {
   const auto trials = ReadTrials(options.trials, study, context);
   WriteBids(folder.path(), study, trials, context);
   folder.Commit();
-  return Message(trials.size(), " trials: ", options.output.string(), "\n");
+  return Message(Counted(static_cast<std::int64_t>(trials.size()), "trial"), ": ",
+                 options.output.string(), "\n");
 }
 
 }  // namespace

@@ -63,6 +63,9 @@ std::vector<TrialRecord> RecordsOfTable(const fs::path& path, const Study& study
              trial = table.Texts("trial"), metric = table.Texts("metric"),
              unit = table.Texts("unit");
   const auto value = table.Numbers("value");
+  // Tables of earlier versions do not have it.
+  const auto is_virtual =
+      table.Has("virtual") ? table.Numbers("virtual") : std::vector<double>(value.size(), 0.0);
   std::map<std::tuple<std::string, std::string, int>, TrialRecord> records;
   for (std::size_t row = 0; row < table.num_rows(); ++row) {
     const int number = WholeNumber(trial[row], table.Where(row), "the trial");
@@ -70,6 +73,7 @@ std::vector<TrialRecord> RecordsOfTable(const fs::path& path, const Study& study
     record.code = code[row];
     record.exercise = exercise[row];
     record.trial = number;
+    record.by_virtual_trainee = is_virtual[row] != 0.0;
     RequireListed(record, study, table.Where(row));
     ACUS_REQUIRE(record.metrics.emplace(MetricKey{metric[row], unit[row]}, value[row]).second,
                  table.Where(row), ": this metric of this trial is there twice");
@@ -106,6 +110,7 @@ TrialRecord RecordOf(const training::Assessment& assessment) {
   record.code = assessment.trainee;
   record.exercise = assessment.exercise;
   record.passed = assessment.Passed();
+  record.by_virtual_trainee = assessment.by_virtual_trainee;
   for (const training::Metric& metric : assessment.metrics) {
     record.metrics[{CsvCell(metric.name), metric.unit}] = metric.value;
   }
@@ -200,11 +205,12 @@ std::vector<TrialRecord> FindTrials(std::span<const fs::path> folders, RunContex
 }
 
 std::string TrialsCsv(const Study& study, std::span<const TrialRecord> trials) {
-  std::string csv = "code,group,exercise,trial,metric,unit,value\n";
+  std::string csv = "code,group,exercise,trial,metric,unit,value,virtual\n";
   for (const TrialRecord& t : trials) {
     for (const auto& [metric, value] : t.metrics) {
       csv += Message(t.code, ",", CsvCell(study.Find(t.code)->group), ",", CsvCell(t.exercise), ",",
-                     t.trial, ",", metric.name, ",", metric.unit, ",", NumberText(value), "\n");
+                     t.trial, ",", metric.name, ",", metric.unit, ",", NumberText(value), ",",
+                     t.by_virtual_trainee ? 1 : 0, "\n");
     }
   }
   return csv;

@@ -30,6 +30,7 @@ struct TrialRecord {
   std::map<MetricKey, double> metrics;
   std::filesystem::path folder = {};  ///< Folder of its files; empty if it comes from a table.
   bool passed = true;                 ///< All goals of its exercise with `must` were met.
+  bool by_virtual_trainee = false;    ///< True: simulated, not performed by a person.
 };
 
 struct Answer {
@@ -61,8 +62,8 @@ std::vector<TrialRecord> ReadTrials(std::span<const std::filesystem::path> paths
 std::vector<TrialRecord> FindTrials(std::span<const std::filesystem::path> folders,
                                     RunContext& context);
 
-/// trials.csv: code,group,exercise,trial,metric,unit,value; a row per metric of each trial. Reading
-/// it gives trials with the same bits.
+/// trials.csv: code,group,exercise,trial,metric,unit,value,virtual; a row per metric of each trial.
+/// Reading it gives trials with the same bits.
 std::string TrialsCsv(const Study& study, std::span<const TrialRecord> trials);
 
 /// Reads code,questionnaire,item,answer; rows without an answer are skipped.

@@ -1,11 +1,13 @@
 #include "acus/assess/study/study_report.h"
 
 #include <algorithm>
+#include <boost/math/special_functions/binomial.hpp>
 
 #include "acus/assess/study/box_plot.h"
 #include "acus/assess/study/study_tables.h"
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
+#include "acus/base/core/counted.h"
 #include "acus/base/core/text_table.h"
 #include "acus/base/math/statistics.h"
 #include "acus/base/report/html_report.h"
@@ -28,6 +30,12 @@ std::string MeanText(const GroupValues& group) {
                  RoundedText(d.quartile_3, 3), "]");
 }
 
+std::string WithInterval(double value, const std::optional<Interval>& interval) {
+  return FixedText(value, 2) + (interval ? Message(" [", FixedText(interval->low, 2), ", ",
+                                                   FixedText(interval->high, 2), "]")
+                                         : "");
+}
+
 Rows MetricRows(std::span<const MetricAnalysis> metrics) {
   Rows rows;
   for (const MetricAnalysis& a : metrics) {
@@ -40,12 +48,8 @@ Rows MetricRows(std::span<const MetricAnalysis> metrics) {
       row.push_back(PText(c.test.p));
       row.push_back(PText(c.p_holm));
       row.push_back(FixedText(c.DirectedAuc(), 3));
-      row.push_back(Message(FixedText(c.cliffs_delta, 2), " [", FixedText(c.delta_interval.low, 2),
-                            ", ", FixedText(c.delta_interval.high, 2), "]"));
-      row.push_back(c.hedges_g
-                        ? Message(FixedText(*c.hedges_g, 2), " [", FixedText(c.g_interval->low, 2),
-                                  ", ", FixedText(c.g_interval->high, 2), "]")
-                        : "-");
+      row.push_back(WithInterval(c.cliffs_delta, c.delta_interval));
+      row.push_back(c.hedges_g ? WithInterval(*c.hedges_g, c.g_interval) : "-");
       row.push_back(c.next_study.t_test > 0 ? std::to_string(c.next_study.mann_whitney) : "-");
     }
     rows.push_back(std::move(row));
@@ -88,14 +92,56 @@ Rows ReliabilityRows(std::span<const MetricAnalysis> metrics) {
   return rows;
 }
 
+/// Each with its area, or where the groups are not distinguished with its corrected p.
 std::string NamesWhere(std::span<const MetricAnalysis> metrics, bool separates) {
   std::string names;
   for (const MetricAnalysis& a : metrics) {
     if (!a.comparison || a.comparison->separates != separates) continue;
-    names += Message(names.empty() ? "" : ", ", a.metric.name, " (",
-                     FixedText(a.comparison->DirectedAuc(), 2), ")");
+    names += Message(
+        names.empty() ? "" : ", ", a.metric.name, " (",
+        separates ? FixedText(a.comparison->DirectedAuc(), 2) : "p " + PText(a.comparison->p_holm),
+        ")");
   }
   return names.empty() ? "none" : names;
+}
+
+/// Where so few participants cannot give a small p, whatever their values are: the sentence that
+/// says so; else empty.
+std::string TooFewText(std::span<const MetricAnalysis> metrics, const Study& study) {
+  int compared = 0;
+  double least_p = 1.0;
+  std::string sizes;
+  for (const MetricAnalysis& a : metrics) {
+    if (!a.comparison) continue;
+    ++compared;
+    const auto m = static_cast<unsigned>(a.groups[0].values.size());
+    const auto n = static_cast<unsigned>(a.groups[1].values.size());
+    const double p = std::min(1.0, 2.0 / boost::math::binomial_coefficient<double>(m + n, m));
+    if (p > least_p) continue;
+    least_p = p;
+    sizes = Message(m, " and ", n);
+  }
+  const double least_holm = std::min(1.0, least_p * compared);
+  if (compared == 0 || least_holm < study.analysis.alpha) return "";
+  return Message("Too few participants to distinguish the groups: with ", sizes, " and ",
+                 Counted(compared, "metric"), " p (Holm) cannot be below ",
+                 RoundedText(least_holm, 2), ", whatever their values are.");
+}
+
+std::string CriterionText(const Study& study) {
+  return Message("area under the curve at least ", RoundedText(study.analysis.separating_auc, 3),
+                 " and p (Holm) below ", RoundedText(study.analysis.alpha, 3));
+}
+
+/// Empty where people did all trials.
+std::string VirtualText(std::span<const TrialRecord> trials) {
+  const auto simulated = std::ranges::count_if(trials, &TrialRecord::by_virtual_trainee);
+  if (simulated == 0) return "";
+  const auto all = static_cast<std::ptrdiff_t>(trials.size());
+  return Message(
+      simulated == all ? "All" : std::to_string(simulated) + " of", " ", Counted(all, "trial"),
+      " are of virtual trainees, whose skill is a setting: differences between the groups "
+      "are those of the settings, and say nothing about people or about training.");
 }
 
 /// The metrics of one exercise.
@@ -124,16 +170,17 @@ void AddExercise(report::HtmlReport& html, const Study& study, const StudyAnalys
   if (metrics.empty()) return;
   html.Section(exercise);
   if (study.groups.size() >= 2) {
-    html.Paragraph(Message("Metrics that separate ", study.groups[0], " from ", study.groups[1],
-                           " (area under the curve at least ",
-                           RoundedText(study.analysis.separating_auc, 3),
-                           "): ", NamesWhere(metrics, true), "."));
-    html.Paragraph("Metrics that do not: " + NamesWhere(metrics, false) + ".");
+    if (const auto few = TooFewText(metrics, study); !few.empty()) html.Paragraph(few);
+    html.Paragraph(Message("Metrics that distinguish ", study.groups[0], " from ", study.groups[1],
+                           " (", CriterionText(study), "): ", NamesWhere(metrics, true), "."));
+    html.Paragraph("Not distinguished by: " + NamesWhere(metrics, false) + ".");
   }
-  html.Table(MetricHeader(study), MetricRows(metrics),
-             "Mean (SD); median [quartiles] of the participants' means over their trials. "
-             "p: Mann-Whitney, two-sided. Effects of the second group against the first, with "
-             "bootstrap intervals");
+  html.Table(
+      MetricHeader(study), MetricRows(metrics),
+      "Mean (SD); median [quartiles] of the participants' means over their trials. "
+      "p: Mann-Whitney, two-sided. Effects of the second group against the first, with "
+      "intervals: of Cliff's delta by bootstrap, from five participants in each group on; of "
+      "Hedges' g by the noncentral t distribution");
   html.Drawing(BoxPlots(metrics), "A dot for each participant");
   html.Table({"metric", "group", "mean by trial", "median slope", "p"}, LearningRows(metrics),
              "Learning: slope of the logarithm over the logarithm of the trial; p: signed ranks "
@@ -170,6 +217,9 @@ void WritePage(const fs::path& path, const Study& study, std::span<const TrialRe
                std::span<const Answer> answers, const StudyAnalysis& analysis,
                const RunContext& context) {
   report::HtmlReport html(study.name, "Report of a study");
+  if (const auto simulated = VirtualText(trials); !simulated.empty()) {
+    html.Warnings(std::vector{simulated});
+  }
   html.Section("Participants");
   Rows rows;
   for (const std::string& group : study.groups) {
@@ -210,12 +260,16 @@ void WriteStudyReport(const fs::path& folder, const Study& study,
 
 std::string StudyText(const Study& study, std::span<const TrialRecord> trials,
                       const StudyAnalysis& analysis) {
-  std::string text = Message(study.name, ": ", trials.size(), " trials.\n");
+  std::string text =
+      Message(study.name, ": ", Counted(static_cast<std::int64_t>(trials.size()), "trial"), ".\n");
+  if (const auto simulated = VirtualText(trials); !simulated.empty()) text += simulated + "\n";
   for (const std::string& exercise : study.exercises) {
     const auto metrics = Of(analysis, exercise);
     if (metrics.empty()) continue;
-    text += Message(exercise, "\n  separate ", study.groups.front(), " from ",
-                    study.groups.size() > 1 ? study.groups[1] : "-", ": ",
+    text += exercise + "\n";
+    if (study.groups.size() < 2) continue;
+    if (const auto few = TooFewText(metrics, study); !few.empty()) text += "  " + few + "\n";
+    text += Message("  distinguish ", study.groups[0], " from ", study.groups[1], ": ",
                     NamesWhere(metrics, true), "\n  do not: ", NamesWhere(metrics, false), "\n");
   }
   return text;

@@ -48,7 +48,8 @@ std::string ComparisonCsv(const StudyAnalysis& analysis) {
     const Comparison& c = *a.comparison;
     csv += Head(a) + "," + NumberText(c.test.statistic) + (c.test.exact ? ",1" : ",0") +
            Numbers({c.test.p, c.p_holm, c.auc}) + (c.separates ? ",1" : ",0") +
-           Numbers({c.cliffs_delta, c.delta_interval.low, c.delta_interval.high});
+           Numbers({c.cliffs_delta});
+    csv += c.delta_interval ? Numbers({c.delta_interval->low, c.delta_interval->high}) : ",,";
     csv += c.hedges_g ? Numbers({*c.hedges_g, c.g_interval->low, c.g_interval->high}) : ",,,";
     csv += c.next_study.t_test > 0
                ? Message(",", c.next_study.t_test, ",", c.next_study.mann_whitney)

@@ -25,8 +25,8 @@ void PatientOptions::AddTo(CLI::App& command) {
       ->check(CLI::ExistingFile);
   command
       .add_option("--transform", transform,
-                  "ct_from_reference.tfm of acus-register, in place of the scenario's")
-      ->check(CLI::ExistingFile);
+                  "ct_from_reference.tfm of acus-register in place of the scenario's, or identity")
+      ->check(CLI::ExistingFile | CLI::IsMember({"identity"}));
   command.add_option("--set", changes,
                      "Change one value of the scenario: /json/pointer=value; =null takes it out");
 }

@@ -7,6 +7,7 @@
 #include "acus/assess/trials/trainee_session.h"
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
+#include "acus/base/core/counted.h"
 #include "acus/base/core/parallel.h"
 #include "acus/base/core/text_table.h"
 #include "acus/data/session/session_io.h"
@@ -70,7 +71,7 @@ std::vector<Job> JobsOf(const SimulateOptions& options, RunContext& context) {
 std::string RowOf(const Job& job, const SimulatedTrial& made, const TrialResult& result) {
   const training::Assessment& a = result.assessment;
   return Message(job.code, " trial ", job.trial, ": ", a.NumMet(), " of ", a.goals.size(),
-                 " goals met, ", made.num_corrections, " corrections\n");
+                 " goals met, ", Counted(made.num_corrections, "correction"), "\n");
 }
 
 /// @returns a line for the terminal.
@@ -81,6 +82,7 @@ std::string RunJob(const Job& job, const TrialScene& scene, const PlannedPath& p
       SimulateTrial(scene, path, job.grade, job.code, job.trial, context.seed, options.rate_hz);
   TrialResult result = RunTrial(scene, made.session, context);
   result.assessment.trainee = job.code;
+  result.assessment.by_virtual_trainee = true;
   const fs::path into = folder / job.code / Message("trial_", job.trial);
   fs::create_directories(into);
   replay::WriteMetrics(into / "metrics.json", result.assessment.metrics);

@@ -7,6 +7,7 @@
 #include "acus/assess/trials/skin_map.h"
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/atomic_file.h"
+#include "acus/base/core/counted.h"
 #include "acus/base/core/csv.h"
 #include "acus/base/core/text_table.h"
 #include "acus/base/math/angles.h"
@@ -219,7 +220,8 @@ std::string WhatIfText(const TrialScene& scene, const WhatIf& what_if, int best)
   if (const auto mm = ValueOf(trial, "tip to target at the end")) {
     text += Message(", ended ", FixedText(*mm, 1), " mm from the target");
   }
-  text += Message(".\n", what_if.outcomes.size(), " alternatives; the best:\n");
+  text += Message(".\n", Counted(static_cast<std::int64_t>(what_if.outcomes.size()), "alternative"),
+                  "; the best:\n");
   for (std::size_t n = 0; n < NumBest(what_if, best); ++n) {
     const Outcome& outcome = what_if.outcomes[what_if.ranking[n]];
     text += Message("  ", n + 1, ". ", ChangeText(what_if.line, outcome.alternative.change), ": ",

@@ -119,7 +119,6 @@ std::string Run(const Options& options, RunContext& context) {
   const SweepResult result = Collect(plan, store);
   WriteResult(options.folder, result, context);
   PageContent page;
-  page.sentences = LinesOf(Sentences(result));
   page.remarks = LinesOf(LeftOutText(plan));
   WritePage(options.folder, result, page, context);
   store.Tidy();
@@ -148,8 +147,8 @@ void AddSceneAndPatient(CLI::App& command, Options& options) {
       ->check(CLI::ExistingFile);
   command
       .add_option("--transform", options.transform,
-                  "ct_from_reference.tfm of acus-register, in place of the scenario's")
-      ->check(CLI::ExistingFile);
+                  "ct_from_reference.tfm of acus-register in place of the scenario's, or identity")
+      ->check(CLI::ExistingFile | CLI::IsMember({"identity"}));
   command.add_option("--set", options.changes,
                      "Change one value of the scenario: /json/pointer=value; =null takes it out");
 }

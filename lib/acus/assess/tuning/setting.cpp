@@ -8,6 +8,7 @@ namespace acus::tuning {
 std::string ValueText(const nlohmann::json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_number_float()) return NumberText(value.get<double>());
+  if (value.is_boolean()) return value.get<bool>() ? "on" : "off";
   return value.dump();
 }
 

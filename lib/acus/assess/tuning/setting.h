@@ -12,7 +12,7 @@ namespace acus::tuning {
 /// named has the scenario's value.
 using Setting = std::map<std::string, nlohmann::json>;
 
-/// A value as text for users: "15", "0.5", "true", "fe_3d".
+/// A value as text for users: "15", "0.5", "on", "fe_3d".
 std::string ValueText(const nlohmann::json& value);
 
 /// Parses a value from the user: JSON ("on" and "off" are truth values), or else a word.

@@ -14,14 +14,14 @@ namespace acus::tuning {
 
 /// The texts of a page beside the numbers.
 struct PageContent {
-  std::vector<std::string> answer;     ///< Answer to the request; may be empty.
-  std::vector<std::string> sentences;  ///< The effect of each parameter.
-  std::vector<std::string> remarks;    ///< Omitted values, and the reasons.
+  std::vector<std::string> answer;   ///< Answer to the request; may be empty.
+  std::vector<std::string> remarks;  ///< Omitted values, and the reasons.
   PlotRemarks plots;
 };
 
-/// Writes tradeoff.html into `folder`, with tables, plots, machine and provenance, and the plots of
-/// all parameters together as force.svg, psnr.svg and ssim.svg, if they exist.
+/// Writes tradeoff.html into `folder`: savings and losses of settings (savings.svg as well), then
+/// tables, plots, machine and provenance. Where all settings have one reference, their plots are
+/// also in force.svg, psnr.svg and ssim.svg.
 void WritePage(const std::filesystem::path& folder, const SweepResult& result,
                const PageContent& content, const RunContext& context);
 

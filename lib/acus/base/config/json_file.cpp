@@ -133,21 +133,34 @@ fs::path ConfigsFolder() {
 
 namespace {
 
-/// "; did you mean scenarios/liver_biopsy.json?": the preset of that name, or of nearly that name.
-std::string PresetHint(const fs::path& name) {
-  std::vector<std::string> names;
-  std::vector<std::string> paths;
+/// All presets, as their path below the presets; those of one folder, if the name has one that is
+/// there.
+std::vector<fs::path> PresetsLike(const fs::path& name) {
+  std::vector<fs::path> presets;
   std::error_code failed;
-  fs::recursive_directory_iterator entries(ConfigsFolder(), failed);
+  const fs::path folder = ConfigsFolder() / name.parent_path();
+  const bool has_folder =
+      name.is_relative() && name.has_parent_path() && fs::exists(folder, failed);
+  fs::recursive_directory_iterator entries(has_folder ? folder : ConfigsFolder(), failed);
   for (; !failed && entries != fs::recursive_directory_iterator(); entries.increment(failed)) {
     if (entries->path().extension() != ".json") continue;
-    names.push_back(entries->path().stem().string());
-    paths.push_back(entries->path().lexically_relative(ConfigsFolder()).generic_string());
+    presets.push_back(entries->path().lexically_relative(ConfigsFolder()));
   }
+  std::ranges::sort(presets);
+  return presets;
+}
+
+/// "; did you mean scenarios/liver_biopsy.json?": the presets of that name, or of nearly that name.
+std::string PresetHint(const fs::path& name) {
+  const std::vector<fs::path> presets = PresetsLike(name);
+  std::vector<std::string> names;
+  for (const fs::path& preset : presets) names.push_back(preset.stem().string());
   const auto nearest = NearestSpelling(name.stem().string(), names);
-  if (!nearest) return "";
-  const auto found = std::ranges::find(names, *nearest) - names.begin();
-  return Message("; did you mean ", paths[static_cast<std::size_t>(found)], "?");
+  std::string meant;
+  for (std::size_t n = 0; nearest && n < presets.size(); ++n) {
+    if (names[n] == *nearest) meant += (meant.empty() ? "" : " or ") + presets[n].generic_string();
+  }
+  return meant.empty() ? "" : Message("; did you mean ", meant, "?");
 }
 
 }  // namespace

@@ -1,10 +1,12 @@
 #include "acus/patient/meshing/mesh_config.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
 #include "acus/base/math/point_text.h"
+#include "acus/data/transforms/landmarks.h"
 
 namespace acus::meshing {
 namespace {
@@ -50,21 +52,43 @@ MeshConfig MeshConfigFromJson(const json& document) {
   return out;
 }
 
-void SetCorridor(MeshConfig& config, const std::string& from, const std::string& to) {
+namespace {
+
+void SetCorridorBetween(MeshConfig& config, const Eigen::Vector3d& from_mm,
+                        const Eigen::Vector3d& to_mm) {
   if (!config.labels.sizes.corridor) {
     const json filled = config::CheckedConfig(
         {{"format", "acus-mesh/1"}, {"corridor", {{"from_mm", {0, 0, 0}}, {"to_mm", {0, 0, 0}}}}},
         "acus-mesh", "corridor");
     config.labels.sizes.corridor = CorridorFromJson(filled.at("corridor"));
   }
-  config.labels.sizes.corridor->from_mm = math::PointFromText(from, "--corridor-from");
-  config.labels.sizes.corridor->to_mm = math::PointFromText(to, "--corridor-to");
+  config.labels.sizes.corridor->from_mm = from_mm;
+  config.labels.sizes.corridor->to_mm = to_mm;
+}
+
+}  // namespace
+
+void SetCorridor(MeshConfig& config, const std::string& from, const std::string& to) {
+  SetCorridorBetween(config, math::PointFromText(from, "--corridor-from"),
+                     math::PointFromText(to, "--corridor-to"));
+}
+
+void SetCorridorOfFile(MeshConfig& config, const std::filesystem::path& file) {
+  const transforms::Landmarks points = transforms::ReadLandmarks(file);
+  const auto point = [&points](const char* name) -> Eigen::Vector3d {
+    const auto found = std::ranges::find(points.names, name);
+    ACUS_REQUIRE(found != points.names.end(), "--corridor ", points.source, ": has no point \"",
+                 name, "\"; it must have entry and target, the ends of the needle's path");
+    return points.points_mm.col(found - points.names.begin());
+  };
+  SetCorridorBetween(config, point("entry"), point("target"));
 }
 
 void RequestCondensation(MeshConfig& config, const json& document,
                          const std::filesystem::path& relative_to, const std::string& probe_at) {
   ACUS_REQUIRE(config.labels.sizes.corridor.has_value(),
-               "condensation needs the needle's path: give --corridor-from and --corridor-to, or "
+               "condensation needs the needle's path: give --corridor, or --corridor-from and "
+               "--corridor-to, or "
                "\"corridor\" in the configuration");
   config.condense = CondenseSettingsFromJson(document, relative_to, probe_at);
 }

@@ -1,6 +1,7 @@
 // Settings of acus-mesh from configs/meshes/*.json.
 #pragma once
 
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -23,6 +24,9 @@ MeshConfig MeshConfigFromJson(const nlohmann::json& document);
 
 /// Sets the corridor's ends; without one in the config it gets the schema's radius and size.
 void SetCorridor(MeshConfig& config, const std::string& from, const std::string& to);
+/// From the points entry and target of a file, such as corridor_ct.csv of acus-phantom; CT space.
+/// @throws InputError as transforms::ReadLandmarks, or if a point is missing.
+void SetCorridorOfFile(MeshConfig& config, const std::filesystem::path& file);
 
 /// Sets config.condense from the document that `config` was made from; as CondenseSettingsFromJson.
 /// @throws InputError also if there is no corridor.

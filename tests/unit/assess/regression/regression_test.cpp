@@ -40,7 +40,8 @@ class Regression : public testing::Test {
     }
     session::WriteSession(folder_ / "session", session, context_);
     WriteTextFile(folder_ / "scene.json", R"({"format": "acus-scenario/1",
-      "patient": {"labels": "labels.seg.nrrd"}, "effects": {"needle_force": {}}})");
+      "patient": {"labels": "labels.seg.nrrd",
+        "ct_from_reference": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}, "effects": {"needle_force": {}}})");
     setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
     WriteSuite("[]");
   }
@@ -127,6 +128,9 @@ TEST_F(Regression, ARunWithChangesIsComparedButNotAccepted) {
   EXPECT_THAT(ReadTextFile(into / "regression.html"), HasSubstr("Changed for this run"));
   EXPECT_THAT([&] { AcceptResult(ReadSuite(folder_), into); },
               ThrowsMessage<InputError>(HasSubstr("is a result with --set")));
+  EXPECT_THAT(AdviceText(result),
+              testing::AllOf(HasSubstr("with /effects/needle_force/model=alamilla"),
+                             HasSubstr("cannot be accepted")));
   EXPECT_TRUE(Run("again").passed());
 }
 
@@ -186,6 +190,11 @@ TEST_F(Regression, ACaseWithoutResultDoesNotStopTheOthers) {
   EXPECT_EQ(result.cases[0].verdict, Verdict::kNoResult);
   EXPECT_THAT(result.cases[0].message, HasSubstr("no.nrrd"));
   EXPECT_EQ(result.cases[1].verdict, Verdict::kNew);
+  WriteJUnit(folder_ / "junit.xml", result);
+  EXPECT_THAT(ReadTextFile(folder_ / "junit.xml"),
+              testing::AllOf(HasSubstr("tests=\"2\" failures=\"1\" errors=\"1\""),
+                             HasSubstr("name=\"broken\""), HasSubstr("<error type=\"NO RESULT\""),
+                             HasSubstr("<failure type=\"NEW\"")));
   EXPECT_THAT([&] { AcceptResult(ReadSuite(folder_), folder_ / "result"); },
               ThrowsMessage<InputError>(HasSubstr("has no run of broken")));
   EXPECT_FALSE(fs::exists(folder_ / "expected")) << "nothing is accepted by halves";

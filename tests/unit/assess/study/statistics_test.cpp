@@ -190,14 +190,31 @@ TEST(EffectSize, ThereIsNoHedgesGWithoutScatter) {
   EXPECT_LT(HedgesG(Values{1, 1}, Values{2, 3}), -1.0);
 }
 
-/// Redrawn pairs are often one value twice; g = 0 of those would pull the interval of groups that
-/// lie far apart towards 0.
-TEST(EffectSize, TheIntervalOfGIsOfDrawsThatHaveOne) {
-  const Interval interval =
-      BootstrapInterval(Values{1, 2}, Values{11, 12}, HedgesG, 0.95, 2000, 1, "g");
-  EXPECT_LT(interval.high, -4.0);
-  EXPECT_TRUE(
-      std::isnan(BootstrapInterval(Values{1, 1}, Values{2, 2}, HedgesG, 0.95, 100, 1, "g").low));
+/// Draws of the noncentral t: the interval holds the true g as often as it says.
+TEST(EffectSize, TheIntervalOfGHoldsTheTruth) {
+  for (const auto& [size, truth] : {std::pair{2, 1.0}, {4, -1.5}, {12, 0.4}}) {
+    RandomStream random(7, "groups");
+    int held = 0;
+    constexpr int kStudies = 400;
+    for (int study = 0; study < kStudies; ++study) {
+      Values a(static_cast<std::size_t>(size)), b(a.size());
+      for (double& x : a) x = truth + random.Normal();
+      for (double& x : b) x = random.Normal();
+      const Interval interval = IntervalOfG(HedgesG(a, b), a.size(), b.size(), 0.95);
+      const double count = 2.0 * size;
+      const double expected = truth * (1.0 - 3.0 / (4.0 * count - 9.0));
+      held += interval.low <= expected && expected <= interval.high ? 1 : 0;
+    }
+    EXPECT_NEAR(held, 0.95 * kStudies, 14) << size;  // Three standard errors.
+  }
+}
+
+TEST(EffectSize, TheIntervalOfGGoesOverIntoThatOfFarGroups) {
+  const double scale = std::sqrt(6.0 * 6.0 / 12.0), correction = 1.0 - 3.0 / 39.0;
+  const Interval near = IntervalOfG(59.99 / scale * correction, 6, 6, 0.95);
+  const Interval far = IntervalOfG(60.01 / scale * correction, 6, 6, 0.95);
+  EXPECT_NEAR(near.low, far.low, 0.02 * far.low);
+  EXPECT_NEAR(near.high, far.high, 0.02 * far.high);
 }
 
 /// Cohen 1988, table 2.4.1: two-sided 0.05, power 0.80.

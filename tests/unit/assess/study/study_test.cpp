@@ -144,7 +144,7 @@ TEST_F(StudyTest, EveryTableComesAgainFromTheRawTable) {
     EXPECT_EQ(ReadTextFile(folder_ / "one" / file), ReadTextFile(folder_ / "two" / file)) << file;
   }
   EXPECT_THAT(ReadTextFile(folder_ / "one/study.html"),
-              testing::AllOf(HasSubstr("Metrics that do not: attempts (0.50)"),
+              testing::AllOf(HasSubstr("Not distinguished by: attempts (p 1.000)"),
                              HasSubstr("It looks real."), HasSubstr("Cronbach")));
 }
 
@@ -159,12 +159,56 @@ TEST_F(StudyTest, ComparesTheGroups) {
   ASSERT_TRUE(time->comparison);
   EXPECT_EQ(time->comparison->auc, 0.0);
   EXPECT_EQ(time->comparison->DirectedAuc(), 1.0);
-  EXPECT_TRUE(time->comparison->separates);
+  EXPECT_FALSE(time->comparison->separates) << "two against two are no evidence";
+  EXPECT_FALSE(time->comparison->delta_interval) << "nor is a bootstrap of two values";
+  ASSERT_TRUE(time->comparison->g_interval);
+  EXPECT_GT(time->comparison->g_interval->high, -5.0) << "wide, as two values are";
+  EXPECT_GT(time->comparison->g_interval->low, -20.0) << "but not without bounds";
+  EXPECT_THAT(
+      StudyText(Read(), trials, analysis),
+      testing::AllOf(HasSubstr("Too few participants to distinguish the groups: with 2 and 2 "
+                               "and 4 metrics p (Holm) cannot be below 1"),
+                     HasSubstr("distinguish novice from expert: none\n")));
   EXPECT_NEAR(time->comparison->test.p, 1.0 / 3.0, 1e-12) << "two of four values: 2 / 6";
   ASSERT_EQ(time->learning.size(), 2U);
   EXPECT_NEAR(time->learning[0].slopes[0], std::log(60.0 / 80.0) / std::log(2.0), 1e-12);
   EXPECT_NEAR(time->learning[1].slopes[0], 0.0, 1e-12);
   EXPECT_EQ(time->learning[0].mean_by_trial, (std::vector<double>{85.0, 65.0}));
+}
+
+TEST_F(StudyTest, EnoughParticipantsAreDistinguished) {
+  Study study = Read();
+  std::vector<TrialRecord> trials;
+  study.participants.clear();
+  for (int i = 0; i < 12; ++i) {
+    const bool novice = i < 6;
+    study.participants.push_back({Message("P", i), novice ? "novice" : "expert", true, "right"});
+    TrialRecord trial{.code = Message("P", i), .exercise = "Exercise a", .metrics = {}};
+    trial.metrics[{"time", "s"}] = (novice ? 80.0 : 30.0) + i;
+    trials.push_back(trial);
+  }
+  const StudyAnalysis analysis = Analyse(study, trials, {});
+  ASSERT_EQ(analysis.metrics.size(), 1U);
+  EXPECT_TRUE(analysis.metrics[0].comparison->separates);
+  ASSERT_TRUE(analysis.metrics[0].comparison->delta_interval);
+  EXPECT_THAT(StudyText(study, trials, analysis),
+              testing::AllOf(HasSubstr("distinguish novice from expert: time (1.00)"),
+                             testing::Not(HasSubstr("Too few"))));
+}
+
+TEST_F(StudyTest, SaysThatTraineesWereVirtual) {
+  WriteTrials();
+  auto trials = Trials(folder_ / "trials");
+  EXPECT_THAT(StudyText(Read(), trials, Analyse(Read(), trials, {})),
+              testing::Not(HasSubstr("virtual")));
+  trials[3].by_virtual_trainee = true;
+  const StudyAnalysis analysis = Analyse(Read(), trials, {});
+  EXPECT_THAT(StudyText(Read(), trials, analysis), HasSubstr("1 of 8 trials are of virtual"));
+  fs::create_directory(folder_ / "report");
+  WriteStudyReport(folder_ / "report", Read(), trials, {}, analysis, context_);
+  const std::string page = ReadTextFile(folder_ / "report/study.html");
+  EXPECT_LT(page.find("are of virtual trainees"), page.find("Participants"));
+  EXPECT_EQ(TrialsCsv(Read(), Trials(folder_ / "report/trials.csv")), TrialsCsv(Read(), trials));
 }
 
 TEST_F(StudyTest, ReversedItemsAreCountedFromTheOtherEnd) {

@@ -19,6 +19,7 @@ SettingResult NodesSetting(int nodes, double step_us, double error_n) {
   setting.setting = {{"needle_nodes", nodes}};
   setting.step_us_median = {step_us, 0.5, 3};
   setting.step_us_p999 = {4.0 * step_us, 2.0, 3};
+  setting.force_felt_n = {1.0, 0.1, 3};
   setting.force_rms_n = {error_n, 0.1 * error_n, 3};
   return setting;
 }
@@ -107,7 +108,6 @@ TEST(TradeoffPage, OpensFromDiskAndHasEverything) {
   RunContext context;
   PageContent content;
   content.answer = {"Chosen: 15."};
-  content.sentences = {"needle_nodes 25 instead of 100: 0.02 N."};
   content.remarks = {"Omitted: force_model=tissue"};
   WritePage(temporary.path(), Nodes(), content, context);
   const std::string html = ReadTextFile(temporary.path() / "tradeoff.html");
@@ -118,7 +118,10 @@ TEST(TradeoffPage, OpensFromDiskAndHasEverything) {
     EXPECT_THAT(html, HasSubstr(text));
   }
   EXPECT_EQ(html.find("src=\"http"), html.npos);
-  EXPECT_TRUE(std::filesystem::exists(temporary.path() / "force.svg"));
+  EXPECT_LT(html.find("Chosen: 15."), html.rfind("What cheaper settings save and lose"));
+  EXPECT_LT(html.rfind("What cheaper settings save and lose"), html.rfind("What was measured"));
+  EXPECT_TRUE(std::filesystem::exists(temporary.path() / "savings.svg"));
+  EXPECT_FALSE(std::filesystem::exists(temporary.path() / "force.svg")) << "knobs are apart";
   EXPECT_FALSE(std::filesystem::exists(temporary.path() / "psnr.svg"));
 }
 

@@ -101,6 +101,14 @@ TEST(FindConfig, NamesThePresetThatWasMeant) {
         ThrowsMessage<InputError>(HasSubstr("did you mean scenarios/liver_biopsy_awake.json?")))
         << name;
   }
+  // Exercises and scenarios share names: the folder says which is meant; without it all are.
+  EXPECT_THAT([&] { FindConfig("exercises/lumbar_punctur.json", folder.path()); },
+              ThrowsMessage<InputError>(HasSubstr("did you mean exercises/lumbar_puncture.json?")));
+  EXPECT_THAT([&] { FindConfig("lumbar_punctur", folder.path()); },
+              ThrowsMessage<InputError>(HasSubstr("did you mean exercises/lumbar_puncture.json or "
+                                                  "scenarios/lumbar_puncture.json?")));
+  EXPECT_THAT([&] { FindConfig("devices/liver_biopsy", folder.path()); },
+              ThrowsMessage<InputError>(testing::Not(HasSubstr("did you mean"))));
   EXPECT_THAT([&] { FindConfig("nothing_like_this_at_all.json", folder.path()); },
               ThrowsMessage<InputError>(testing::Not(HasSubstr("did you mean"))));
 }
