@@ -59,8 +59,7 @@ int main(int argc, char** argv) {
                    "MATLAB file: samples x elements x transmissions, any real class")
       ->required()
       ->check(CLI::ExistingFile);
-  beamform->add_option("--variable", variable,
-                       "Its variable; default: the first numeric array of the file");
+  beamform->add_option("--variable", variable, "Its variable; default: that of the settings");
   app.footer(
       "Writes iq.npy (complex, rows x columns), rf_lines.mha (PLUS, RF_REAL) and bmode.png;\n"
       "simulate also channels.npy (transmissions x elements x samples) and channels.mat.\n\n"
@@ -79,9 +78,7 @@ int main(int argc, char** argv) {
       rf::WriteMatlab(folder.path() / "channels.mat", data);
     } else {
       context.provenance.AddInput(recording);
-      data = rf::ReadMatlab(recording, variable);
-      data.sampling_mhz = settings.channels.sampling_mhz;
-      data.start_us = settings.channels.start_us;
+      data = rf::ReadRecording(recording, settings, variable);
     }
     WriteImage(folder.path(), data, settings, context);
     config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());

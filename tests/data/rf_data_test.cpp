@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 
+#include "acus/base/core/error.h"
 #include "acus/imaging/rf/matlab_file.h"
 #include "acus/imaging/rf/rf_settings.h"
 #include "support/envelope_measures.h"
@@ -144,6 +145,57 @@ TEST_F(FibrePhantom, IsAsRecorded) {
   ExpectEqualWidths(real.fibres, simulated.fibres);
   ExpectEqualSnr(real.speckle, simulated.speckle);
   ExpectEqualGreyLevels(real.speckle, simulated.speckle);
+}
+
+/// dB of the mean power within 9 mm of the disc's middle over that from 11.5 mm on.
+double DiscContrastDb(const IqImage& image) {
+  const Eigen::Vector2d middle_mm(-0.5, 22.3);
+  double inside = 0.0, outside = 0.0, num_inside = 0.0, num_outside = 0.0;
+  for (int row = 0; row < image.grid.rows; ++row) {
+    for (int column = 0; column < image.grid.columns; ++column) {
+      const double power = std::norm(image.At(column, row));
+      const double away_mm = (image.grid.At(column, row) - middle_mm).norm();
+      if (away_mm < 9.0) {
+        inside += power;
+        ++num_inside;
+      } else if (away_mm > 11.5) {
+        outside += power;
+        ++num_outside;
+      }
+    }
+  }
+  return 10.0 * std::log10(inside / num_inside * num_outside / outside);
+}
+
+// Channel data of another laboratory, with its own names, sampled at 4/3 of the centre frequency.
+TEST(RotatingDisc, IsReadThroughTheMappingOfItsNames) {
+  const auto path = testing_support::SharedData("ultrasound/PWI_disk.mat");
+  if (!path) GTEST_SKIP() << "test data ultrasound/PWI_disk.mat is not here";
+  RfSettings settings = ReadRfSettings(std::filesystem::path(ACUS_SOURCE_DIR) / "configs" / "rf" /
+                                       "rotating_disc.json");
+  ChannelData data = ReadRecording(*path, settings, "");
+  EXPECT_EQ(data.transmits, 1);
+  EXPECT_NEAR(data.sampling_mhz, 20.0 / 3.0, 1e-9);
+  EXPECT_NEAR(data.start_us, 9.95, 1e-9);
+  settings.grid.step_mm = {0.2, 0.1};
+  settings.grid.columns = 126;
+  settings.grid.rows = 251;
+  const auto image = [&](const ChannelData& of) {
+    return DelayAndSum(BasebandOf(of, settings.pulse.frequency_mhz, 4, 2), settings.array,
+                       settings.transmits, settings.grid, settings.beamform, 2);
+  };
+  const double contrast_db = DiscContrastDb(image(data));
+  std::printf("disc over its surroundings: %.1f dB\n", contrast_db);
+  EXPECT_GT(contrast_db, 12.0);
+  data.is_bandpass_sampled = false;
+  EXPECT_THROW(image(data), InputError);
+
+  settings.recording.sampling_hz = "param.rate";
+  EXPECT_THROW(ReadRecording(*path, settings, ""), InputError);
+  settings.recording.sampling_hz = "RF";
+  EXPECT_THROW(ReadRecording(*path, settings, ""), InputError);
+  settings.recording = {.variable = "RF", .sampling_hz = "", .start_s = "", .transmissions = {32}};
+  EXPECT_THROW(ReadRecording(*path, settings, ""), InputError);
 }
 
 }  // namespace

@@ -28,7 +28,8 @@ struct Baseband {
 /// @param oversampling  Samples of the baseband for each of the data, 1 to 16: band-limited
 ///     interpolation, so that linear interpolation in between is enough.
 /// @param carrier_mhz  About the centre of the band.
-/// @throws InputError if the carrier is not below half the sampling rate.
+/// @throws InputError if the carrier is not below half the sampling rate or, of data that are
+///     bandpass sampled, within a tenth of that of one of its multiples.
 Baseband BasebandOf(const ChannelData& data, double carrier_mhz, int oversampling, int num_threads);
 
 }  // namespace acus::rf

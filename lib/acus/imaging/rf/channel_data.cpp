@@ -24,4 +24,19 @@ const ChannelData& Checked(const ChannelData& data, const char* label) {
   return data;
 }
 
+ChannelData WithTransmissions(const ChannelData& data, std::span<const int> numbers) {
+  if (numbers.empty()) return data;
+  ChannelData out = data;
+  out.transmits = static_cast<int>(numbers.size());
+  out.values.clear();
+  const std::size_t length = static_cast<std::size_t>(data.samples) * data.elements;
+  for (const int number : numbers) {
+    ACUS_REQUIRE(number >= 0 && number < data.transmits, "channel data: transmission ", number,
+                 " of ", data.transmits, "; their numbers begin at 0");
+    const auto begin = data.values.begin() + static_cast<std::ptrdiff_t>(data.Offset(number, 0));
+    out.values.insert(out.values.end(), begin, begin + static_cast<std::ptrdiff_t>(length));
+  }
+  return out;
+}
+
 }  // namespace acus::rf

@@ -17,6 +17,8 @@ struct ChannelData {
   double start_us =
       0.0;  ///< Of the first sample, after the first element of the transmission fires.
   std::vector<float> values;
+  /// The band lies between two multiples of half the sampling rate and appears folded below it.
+  bool is_bandpass_sampled = false;
 
   void Allocate() { values.assign(static_cast<std::size_t>(samples) * elements * transmits, 0.0F); }
   std::size_t Offset(int transmit, int element) const {
@@ -29,6 +31,10 @@ struct ChannelData {
     return {values.data() + Offset(transmit, element), static_cast<std::size_t>(samples)};
   }
 };
+
+/// The transmissions of these numbers, from 0, in this order; all if there are none.
+/// @throws InputError naming a number that the data do not have.
+ChannelData WithTransmissions(const ChannelData& data, std::span<const int> numbers);
 
 /// The same data. @throws InputError naming the first value that is not finite, or the size that
 /// does not fit; `label` stands for the file in messages.

@@ -136,6 +136,29 @@ ChannelData ReadMatlab(const std::filesystem::path& path, const std::string& var
   return data;
 }
 
+double ReadMatlabNumber(const std::filesystem::path& path, const std::string& name) {
+  SilenceMatio();
+  RequireSoundMatlab(path);
+  const MatlabFile file(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
+  ACUS_REQUIRE(file != nullptr, path.string(), ": is not a MATLAB file; save with save -v7");
+  const std::size_t dot = name.find('.');
+  const MatlabVariable variable(Mat_VarRead(file.get(), name.substr(0, dot).c_str()));
+  matvar_t* found = variable.get();
+  if (found != nullptr && dot != std::string::npos) {
+    found = found->class_type == MAT_C_STRUCT
+                ? Mat_VarGetStructFieldByName(found, name.substr(dot + 1).c_str(), 0)
+                : nullptr;
+  }
+  std::vector<float> is_number(1);
+  ACUS_REQUIRE(found != nullptr && found->data != nullptr && found->isComplex == 0 &&
+                   found->rank == 2 && found->dims[0] * found->dims[1] == 1 &&
+                   CopyValues(*found, is_number),
+               path.string(), ": has no number '", name,
+               "'; correct its name in /recording of the settings");
+  return found->class_type == MAT_C_DOUBLE ? *static_cast<const double*>(found->data)
+                                           : static_cast<double>(is_number[0]);
+}
+
 void WriteMatlab(const std::filesystem::path& path, const ChannelData& data) {
   AtomicFile out(path);
   MatlabFile file(

@@ -15,6 +15,10 @@ namespace acus::rf {
 ///     shape or class is another one.
 ChannelData ReadMatlab(const std::filesystem::path& path, const std::string& variable);
 
+/// Reads one number, "fs" or, of a structure, "param.fs".
+/// @throws InputError if the file has no such number.
+double ReadMatlabNumber(const std::filesystem::path& path, const std::string& name);
+
 /// Writes the variables rf (single, samples x elements x transmits), fs_hz and t0_s, as version 5.
 /// Whole or not at all. @throws InputError if it cannot be written.
 void WriteMatlab(const std::filesystem::path& path, const ChannelData& data);

@@ -5,6 +5,7 @@
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
 #include "acus/base/math/angles.h"
+#include "acus/imaging/rf/matlab_file.h"
 
 namespace acus::rf {
 namespace {
@@ -52,7 +53,30 @@ BeamformOptions BeamformOf(const json& image, double sound_speed_mm_per_us) {
           image.at("apodisation") == "hann" ? Apodisation::kHann : Apodisation::kRectangular};
 }
 
+RecordingNames RecordingOf(const json& recording) {
+  return {recording.at("variable"), recording.at("sampling_hz"), recording.at("start_s"),
+          recording.at("transmissions").get<std::vector<int>>(), recording.at("bandpass_sampled")};
+}
+
 }  // namespace
+
+ChannelData ReadRecording(const std::filesystem::path& path, const RfSettings& settings,
+                          const std::string& variable) {
+  const RecordingNames& names = settings.recording;
+  ChannelData data = WithTransmissions(
+      ReadMatlab(path, variable.empty() ? names.variable : variable), names.transmissions);
+  data.is_bandpass_sampled = names.is_bandpass_sampled;
+  data.sampling_mhz = names.sampling_hz.empty() ? settings.channels.sampling_mhz
+                                                : 1e-6 * ReadMatlabNumber(path, names.sampling_hz);
+  data.start_us = names.start_s.empty() ? settings.channels.start_us
+                                        : 1e6 * ReadMatlabNumber(path, names.start_s);
+  ACUS_REQUIRE(
+      data.sampling_mhz > 0.0 && std::isfinite(data.sampling_mhz) && std::isfinite(data.start_us),
+      path.string(), ": a sampling rate of ", data.sampling_mhz, " MHz and a first sample at ",
+      data.start_us,
+      " us; /recording/sampling_hz must name a rate above 0, in Hz, start_s a time in s");
+  return data;
+}
 
 RfSettings ReadRfSettings(const std::filesystem::path& path) {
   const json document = config::ReadConfig(path, "acus-rf");
@@ -78,6 +102,7 @@ RfSettings ReadRfSettings(const std::filesystem::path& path) {
   out.beamform = BeamformOf(image, out.channels.sound_speed_mm_per_us);
   out.baseband_oversampling = image.at("oversampling");
   out.dynamic_range_db = image.at("dynamic_range_db");
+  out.recording = RecordingOf(document.at("recording"));
   return out;
 }
 

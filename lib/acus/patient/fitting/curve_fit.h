@@ -36,7 +36,11 @@ struct PunctureCurveFit {
   std::optional<Estimate>
       relaxation_fraction;  ///< Of the force, lost in the hold (its first 10 s).
   std::optional<Estimate> relaxation_time_s;
-  std::optional<Estimate> advance_slope_n_per_mm;  ///< Robust line over the whole advance.
+  std::optional<Estimate> advance_slope_n_per_mm;  ///< Robust line over the whole advance...
+  std::optional<double> advance_tip_n;             ///< ...where the advance begins, without offset.
+  double advance_travel_mm = 0.0;                  ///< From there to the greatest depth.
+  std::optional<double> hold_begin_n;              ///< With which a hold begins, without offset.
+  std::optional<double> withdrawal_tip_n;  ///< Pull of the retraction's line where its shaft ends.
 
   double rise_rms_n = 0.0;
   double plateau_rms_n = 0.0;

@@ -14,6 +14,7 @@ constexpr double kShortestPhaseMm = 3.0;  // A line over less depth has no slope
 constexpr double kReversalMm = 3.0;       // Travel in which friction has turned round, at least...
 constexpr double kReversalShare = 0.2;    // ...or this share of the withdrawal.
 constexpr double kShortestHoldS = 1.0;
+constexpr double kHoldForceS = 0.02;   // A hold begins with the mean force of this.
 constexpr double kEntryShare = 0.5;    // Of the largest fall, that the entry's has at least.
 constexpr double kRelaxationS = 10.0;  // One exponential describes so long a hold, not minutes.
 
@@ -139,8 +140,13 @@ void FitAdvance(const ForceCurve& curve, PunctureCurveFit& fit) {
   });
   fit.starts_in_tissue = !early_peak && early_n[0] > phases.least_drop_n &&
                          early_n[0] > 2.0 * (early_n[1] - early_n[0]);
-  const ModelFit line = FitLine(all, math::Mean(all.x));
-  if (line.converged && fit.starts_in_tissue) fit.advance_slope_n_per_mm = line.Of(1);
+  const double middle_mm = math::Mean(all.x);
+  const ModelFit line = FitLine(all, middle_mm);
+  if (!line.converged || !fit.starts_in_tissue) return;
+  fit.advance_slope_n_per_mm = line.Of(1);
+  fit.advance_travel_mm = std::ranges::max(curve.depth_mm) - begin_mm;
+  fit.advance_tip_n =
+      line.parameters[0] + line.parameters[1] * (begin_mm - middle_mm) - OffsetN(fit);
 }
 
 void FitRetraction(const ForceCurve& curve, PunctureCurveFit& fit) {
@@ -162,12 +168,22 @@ void FitRetraction(const ForceCurve& curve, PunctureCurveFit& fit) {
   fit.friction_rms_n = line.rms_n;
   if (!line.converged) return;
   fit.friction_n_per_mm = line.Of(1, -1.0).AtLeast(0.0);
+  const double outside_mm = fit.starts_in_tissue ? least_mm : surface_mm;
+  fit.withdrawal_tip_n =
+      OffsetN(fit) - line.parameters[0] - line.parameters[1] * (outside_mm - middle_mm);
   Draw(line, Line(middle_mm), samples, fit);
 }
 
 void FitHold(const ForceCurve& curve, PunctureCurveFit& fit) {
   const CurvePhases& phases = fit.phases;
   SampleRange range = phases.hold;
+  std::vector<double> first_n;
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    if (curve.time_s[i] - curve.time_s[range.begin] < kHoldForceS) {
+      first_n.push_back(curve.force_n[i] - OffsetN(fit));
+    }
+  }
+  if (!first_n.empty()) fit.hold_begin_n = math::Mean(first_n);
   while (range.size() > 20 &&
          curve.time_s[range.end - 1] - curve.time_s[range.begin] > kRelaxationS) {
     --range.end;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -33,11 +32,19 @@ std::string Cell(const std::optional<Estimate>& estimate, int digits) {
   return Padded(text, 19);
 }
 
-double MedianOf(std::span<const PunctureCurveFit> fits,
-                std::optional<Estimate> PunctureCurveFit::*member, const char* name) {
+double ValueOf(const Estimate& estimate) {
+  return estimate.value;
+}
+double ValueOf(double value) {
+  return value;
+}
+
+template <typename T>
+double MedianOf(std::span<const PunctureCurveFit> fits, std::optional<T> PunctureCurveFit::*member,
+                const char* name) {
   std::vector<double> values;
   for (const PunctureCurveFit& fit : fits) {
-    if (fit.*member) values.push_back((fit.*member)->value);
+    if (fit.*member) values.push_back(ValueOf(*(fit.*member)));
   }
   if (values.empty()) {
     throw NoAnswerError(
@@ -46,29 +53,32 @@ double MedianOf(std::span<const PunctureCurveFit> fits,
   return math::Median(values);
 }
 
-/// The capsule's polynomial and puncture force in `row`: medians of the recordings in which the
-/// needle comes in from outside. Without one they stay what they were: punctures of structures
-/// inside are something else.
-void AddCapsule(std::span<const PunctureCurveFit> fits, double ratio, const json& before,
-                json& row) {
-  std::vector<PunctureCurveFit> entries;
-  std::ranges::copy_if(fits, std::back_inserter(entries),
-                       [](const PunctureCurveFit& fit) { return fit.converged && fit.is_entry; });
-  std::string source = row.at("source");
-  if (entries.empty()) {
-    for (const char* key : {"a1_n_per_mm", "a2_n_per_mm2", "puncture_n"}) {
-      if (before.contains(key)) row[key] = before[key];
-    }
-    row["source"] = source +
-                    "; a1, a2 and puncture_n are not from them: the needle is in the "
-                    "tissue from the start, and what it punctures is inside";
-    return;
+/// The membrane's polynomial and puncture force in `row`: medians of the recordings in which the
+/// needle comes in from outside. Without one, of the largest puncture inside each recording: the
+/// capsule of another table would belong to another tissue.
+void AddMembrane(std::span<const PunctureCurveFit> fits, double ratio, json& row) {
+  std::vector<PunctureCurveFit> entries, inside;
+  for (const PunctureCurveFit& fit : fits) {
+    if (fit.converged) (fit.is_entry ? entries : inside).push_back(fit);
   }
-  row["a1_n_per_mm"] = ratio * MedianOf(entries, &PunctureCurveFit::a1_n_per_mm, "a1");
-  row["a2_n_per_mm2"] = ratio * MedianOf(entries, &PunctureCurveFit::a2_n_per_mm2, "a2");
-  row["puncture_n"] = ratio * MedianOf(entries, &PunctureCurveFit::puncture_n, "puncture force");
-  row["source"] = Message(source, "; entries of ", entries.size());
+  const std::vector<PunctureCurveFit>& from = entries.empty() ? inside : entries;
+  row["a1_n_per_mm"] = ratio * MedianOf<Estimate>(from, &PunctureCurveFit::a1_n_per_mm, "a1");
+  row["a2_n_per_mm2"] = ratio * MedianOf<Estimate>(from, &PunctureCurveFit::a2_n_per_mm2, "a2");
+  row["puncture_n"] =
+      ratio * MedianOf<Estimate>(from, &PunctureCurveFit::puncture_n, "puncture force");
+  const std::string source = row.at("source");
+  row["source"] =
+      entries.empty()
+          ? Message(source, "; a1, a2 and puncture_n: largest puncture inside each of ",
+                    inside.size(), ", as no needle comes in from outside (no capsule is measured)")
+          : Message(source, "; entries of ", entries.size());
 }
+
+/// Force at the tip and along the shaft of a needle that is pushed in, of the reference needle.
+struct InsertionForce {
+  double cutting_n = 0.0;
+  double friction_n_per_mm = 0.0;
+};
 
 /// What remains of the plateau's force when the friction of the buried shaft is taken off.
 double MedianCuttingN(std::span<const PunctureCurveFit> fits, double friction_n_per_mm) {
@@ -81,6 +91,38 @@ double MedianCuttingN(std::span<const PunctureCurveFit> fits, double friction_n_
   }
   if (values.empty()) throw NoAnswerError("no recording has a plateau behind a fitted puncture");
   return std::max(0.0, math::Median(values));
+}
+
+/// Mean of two slopes: of the line of the advance, and from its begin to the force with which the
+/// hold begins. The one describes the way, the other what a hold relaxes from.
+double MedianSlopeOf(std::span<const PunctureCurveFit> fits) {
+  std::vector<double> slopes;
+  for (const PunctureCurveFit& fit : fits) {
+    if (!fit.advance_slope_n_per_mm) continue;
+    const double line = fit.advance_slope_n_per_mm->value;
+    const bool has_hold = fit.hold_begin_n && fit.advance_travel_mm > 0.0;
+    const double to_hold =
+        has_hold ? (*fit.hold_begin_n - *fit.advance_tip_n) / fit.advance_travel_mm : line;
+    slopes.push_back(0.5 * (line + to_hold));
+  }
+  return math::Median(slopes);
+}
+
+/// A needle that is in the tissue from the start: the line of the whole advance. Otherwise the
+/// force behind the puncture, which grows with the buried shaft. One that falls is something else
+/// (a layer that ends); then there is only the withdrawal.
+InsertionForce InsertionOf(std::span<const PunctureCurveFit> fits, double out_n_per_mm) {
+  const auto inside = std::ranges::count_if(
+      fits, [](const PunctureCurveFit& fit) { return fit.advance_tip_n.has_value(); });
+  if (2 * inside > std::ssize(fits)) {
+    const double tip_n = MedianOf(fits, &PunctureCurveFit::advance_tip_n, "force at the tip");
+    const double slope_n_per_mm = MedianSlopeOf(fits);
+    if (slope_n_per_mm > 0.0) return {std::max(0.0, tip_n), slope_n_per_mm};
+  }
+  const double slope_n_per_mm =
+      MedianOf(fits, &PunctureCurveFit::plateau_slope_n_per_mm, "slope of the plateau");
+  const double in_n_per_mm = slope_n_per_mm > 0.0 ? slope_n_per_mm : out_n_per_mm;
+  return {MedianCuttingN(fits, in_n_per_mm), in_n_per_mm};
 }
 
 }  // namespace
@@ -171,23 +213,21 @@ json TableWithFittedTissue(json base, const std::string& tissue,
                            double measured_diameter_mm) {
   const double ratio = base.value("reference_diameter_mm", 1.27) / measured_diameter_mm;
   const double out_n_per_mm = MedianOf(fits, &PunctureCurveFit::friction_n_per_mm, "friction");
-  // Behind the puncture the force grows with the buried shaft: its slope is the friction of the
-  // insertion. One that falls is something else (a layer that ends); then there is only the
-  // withdrawal.
-  const double slope_n_per_mm =
-      MedianOf(fits, &PunctureCurveFit::plateau_slope_n_per_mm, "slope of the plateau");
-  const double in_n_per_mm = slope_n_per_mm > 0.0 ? slope_n_per_mm : out_n_per_mm;
+  const InsertionForce in = InsertionOf(fits, out_n_per_mm);
+  const double tip_n =
+      MedianOf(fits, &PunctureCurveFit::withdrawal_tip_n, "pull on the tip of a withdrawn needle");
   json row = {{"tissue", tissue},
-              {"cutting_n", ratio * MedianCuttingN(fits, in_n_per_mm)},
-              {"friction_n_per_mm", ratio * in_n_per_mm},
+              {"cutting_n", ratio * in.cutting_n},
+              {"friction_n_per_mm", ratio * in.friction_n_per_mm},
               {"withdrawal_friction_n_per_mm", ratio * std::max(0.0, out_n_per_mm)},
+              {"withdrawal_tip_n", ratio * std::max(0.0, tip_n)},
               {"relaxation", relaxation}};
   row["source"] = Message("acus-fit: medians of ", fits.size(), " recordings, needle of ",
                           measured_diameter_mm, " mm");
   json& rows = base.at("tissues");
   const auto known = std::ranges::find_if(
       rows, [&](const json& other) { return other.value("tissue", "") == tissue; });
-  AddCapsule(fits, ratio, known == rows.end() ? json::object() : *known, row);
+  AddMembrane(fits, ratio, row);
   if (known == rows.end()) {
     rows.push_back(row);
   } else {

@@ -21,10 +21,12 @@ std::string FitTable(std::span<const PunctureCurveFit> fits);
 
 /// `base` (a document of the format acus-forces/1) with the row of `tissue` replaced by the medians
 /// of the usable fits, scaled from the needle that was measured to the table's reference needle.
+/// Cutting and friction of the insertion are those of the line of the whole advance if most needles
+/// are in the tissue from the start; else friction is the slope of the plateau, and
 ///   cutting = plateau - friction x shaft in the tissue at the puncture, not below 0.
-/// a1, a2 and puncture_n are the capsule's: from recordings in which the needle comes in from
-/// outside (is_entry); without one they stay what they were in `base`, as friction_rate and
-/// friction_dwell do.
+/// a1, a2 and puncture_n are the capsule's, from recordings in which the needle comes in from
+/// outside (is_entry); without one they are those of the largest puncture inside each recording.
+/// no_membrane_from, friction_rate and friction_dwell stay what they are in `base`.
 /// @param relaxation  array of the row, see fitted_relaxation.h.
 /// @throws NoAnswerError if no fit has the plateau or none the friction, or these are not a row
 ///     that a table may have.

@@ -11,7 +11,7 @@
 #include "acus/data/volume/labels.h"
 #include "acus/patient/fitting/fit_models.h"
 #include "acus/patient/fitting/fit_report.h"
-#include "acus/patient/fitting/fitted_relaxation.h"
+#include "acus/patient/fitting/fitted_table.h"
 #include "acus/patient/fitting/indentation_fit.h"
 #include "acus/patient/fitting/measured_fit.h"
 #include "acus/patient/fitting/tension_fit.h"
@@ -183,8 +183,7 @@ std::string RunFits(const FitTask& task, RunContext& context) {
     WriteIfAny(folder.path() / "forces.json", document, context, [&] {
       std::vector<const ForceCurve*> curves;
       for (const FittedCurve& fit : fits) curves.push_back(&fit.curve);
-      const auto relaxation = RelaxationRow(FitHold(HoldCurve::MeanOf(curves, punctures)));
-      return TableWithFittedTissue(base, task.tissue, punctures, relaxation, task.diameter_mm);
+      return FittedTable(base, task.tissue, curves, punctures, task.diameter_mm);
     });
   }
   config::WriteJson(folder.path() / "fit.json", document);

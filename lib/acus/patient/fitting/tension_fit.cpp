@@ -305,7 +305,11 @@ std::string TensionTable(std::span<const TensionTest> tests, std::span<const Ten
       rows.push_back({tests[i].name, "-", "no answer: " + fits[i].message, "-", ""});
     }
   }
-  return TextTable({"specimen", "law", "parameters", "rms [% of the largest stress]", ""}, rows);
+  return TextTable({"specimen", "law", "parameters", "rms [% of the largest stress]", ""}, rows) +
+         "\nA law describes its own strip. Tension does not transfer between animals: the stress "
+         "of "
+         "one tissue\ndiffered by a factor of 3.7 between three pigs (geometric standard deviation "
+         "at a stretch of 1.3).\n";
 }
 
 }  // namespace acus::fitting

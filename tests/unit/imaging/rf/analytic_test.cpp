@@ -46,6 +46,36 @@ TEST(BasebandOf, OfAToneTurnsAtTheDifferenceToTheCarrier) {
   }
 }
 
+// Sampled below twice its frequency, a tone appears folded; its band is given by the carrier.
+TEST(BasebandOf, OfABandpassSampledToneTurnsAtItsTrueFrequency) {
+  for (const auto& [carrier_cycles, cycles] :
+       {std::pair{190, 150}, {190, 190}, {190, 240}, {320, 270}, {320, 350}, {450, 400}}) {
+    ChannelData tone = Tone(cycles, 0.3, 5.0F);
+    const double carrier_mhz = carrier_cycles * kSamplingMhz / kSamples;
+    EXPECT_THROW(BasebandOf(tone, carrier_mhz, 1, 1), InputError);
+    tone.is_bandpass_sampled = true;
+    for (const int oversampling : {1, 3}) {
+      const Baseband baseband = BasebandOf(tone, carrier_mhz, oversampling, 1);
+      for (int n = 0; n < baseband.samples; ++n) {
+        const double turned =
+            2.0 * std::numbers::pi * (cycles - carrier_cycles) * n / baseband.samples + 0.3;
+        const std::complex<float> expected(std::polar(1.0, turned));
+        ASSERT_LT(std::abs(baseband.values[static_cast<std::size_t>(n)] - expected), 2e-5)
+            << cycles << " cycles, sample " << n << " of " << baseband.samples;
+      }
+    }
+  }
+}
+
+TEST(BasebandOf, RefusesABandAcrossTheFold) {
+  ChannelData tone = Tone(40, 0.0, 0.0F);
+  tone.is_bandpass_sampled = true;
+  for (const double half_rates : {1.0, 1.05, 1.95, 2.0, 3.08, 1e9}) {
+    EXPECT_THROW(BasebandOf(tone, 20.0 * half_rates, 1, 1), InputError) << half_rates;
+  }
+  EXPECT_NO_THROW(BasebandOf(tone, 30.0, 1, 1));
+}
+
 TEST(BasebandOf, RefusesWhatIsOutOfRange) {
   const ChannelData tone = Tone(40, 0.0, 0.0F);
   for (const int oversampling : {0, 17}) {

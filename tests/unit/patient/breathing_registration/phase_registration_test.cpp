@@ -1,6 +1,7 @@
 #include "acus/patient/breathing_registration/phase_registration.h"
 
 #include <gmock/gmock.h>
+#include <optional>
 
 #include "acus/base/core/random.h"
 #include "acus/base/math/statistics.h"
@@ -55,7 +56,8 @@ struct Trunk {
   }
 
   /// Errors at points of tissue in a layer about the wall, mm; from `low` to `high` mm from it.
-  std::vector<double> Errors(const PhaseField& field, double low, double high) const {
+  std::vector<double> Errors(const PhaseField& field, double low, double high,
+                             std::optional<Side> only = {}) const {
     std::vector<double> errors_mm;
     RandomStream random(7, "points");
     while (errors_mm.size() < 200) {
@@ -64,6 +66,7 @@ struct Trunk {
       const double wall_mm = motion.cavity().wall.LevelMm(p);
       if (!tissue.is_tissue(p) || std::abs(wall_mm) < low || std::abs(wall_mm) > high) continue;
       const Side side = wall_mm < 0.0 ? Side::kCavity : Side::kWall;
+      if (only && side != *only) continue;
       errors_mm.push_back((field.DisplacementMm(p, side) - (motion.WorldMm(p, {}) - p)).norm());
     }
     return errors_mm;
@@ -80,7 +83,7 @@ const Trunk& TheTrunk() {
   return trunk;
 }
 
-const RegistrationSettings kCoarse{.spacing_mm = 4.0, .smoothness = 2.0};
+const RegistrationSettings kCoarse{.spacing_mm = 4.0, .smoothness = 0.8};
 
 TEST(PhaseRegistration, FindsAKnownMotion) {
   const Trunk& trunk = TheTrunk();
@@ -88,7 +91,9 @@ TEST(PhaseRegistration, FindsAKnownMotion) {
   Residual residual;
   const PhaseField field = registration.Register(trunk.phase, nullptr, {}, &residual);
   EXPECT_LT(residual.after, 0.5 * residual.before);
-  const auto errors = trunk.Errors(field, 10.0, 60.0);
+  // Within the cavity: outside of the ribs there is a layer of fat and skin of 20 mm, almost
+  // without texture, that breath moves along itself.
+  const auto errors = trunk.Errors(field, 10.0, 60.0, Side::kCavity);
   EXPECT_LT(math::Mean(errors), 1.0);
   EXPECT_LT(math::Quantile(errors, 0.95), 2.5);
 }

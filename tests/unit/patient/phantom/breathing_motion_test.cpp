@@ -1,11 +1,14 @@
 #include "acus/patient/phantom/breath/breathing_motion.h"
 
 #include <Eigen/LU>
+#include <cstdio>
 #include <gmock/gmock.h>
 #include <limits>
 #include <numbers>
 
 #include "acus/base/core/random.h"
+#include "acus/base/math/statistics.h"
+#include "support/lung_motion.h"
 #include "support/synthetic_trunk.h"
 
 namespace acus::phantom {
@@ -106,6 +109,70 @@ TEST(BreathingMotion, TheDiaphragmGoesAsFarAsRequested) {
     EXPECT_GT(down(-20.0 - mm), down(-130.0));
     EXPECT_EQ(motion.WorldMm({0.0, 85.0, 10.0}, {}), Vector3d(0.0, 85.0, 10.0));
   }
+}
+
+TEST(FindCavity, TheDomeIsNotTakenForTheTopOfTheHeart) {
+  volume::LabelMap labels = testing_support::SyntheticTrunk();
+  const volume::Geometry& g = labels.geometry;
+  for (std::size_t n = 0; n < labels.voxels.size(); ++n) {
+    const int i = static_cast<int>(n) % g.size[0];
+    const int j = static_cast<int>(n) / g.size[0] % g.size[1];
+    const int k = static_cast<int>(n) / (g.size[0] * g.size[1]);
+    const Vector3d p = g.origin_mm + 4.0 * Vector3d(i, j, k);
+    const bool heart = (p - Vector3d(30.0, -20.0, 20.0)).norm() < 60.0;
+    if (heart && labels.voxels[n] == volume::LabelOf("lung")) {
+      labels.voxels[n] = volume::LabelOf("soft_tissue");
+    }
+  }
+  const Cavity cavity = FindCavity(labels, {});
+  EXPECT_NEAR(cavity.dome_z_mm, 0.0, 8.0);
+  for (const double x : {-80.0, 30.0, 60.0}) EXPECT_LT(cavity.diaphragm.AtMm(x, 0.0), 20.0) << x;
+}
+
+/// Lung of the trunk as it moves from end expiration to end inspiration.
+testing_support::MovedLung TrunkLung(const BreathingMotion& motion) {
+  const volume::LabelMap labels = testing_support::SyntheticTrunk();
+  testing_support::MovedLung lung;
+  for (int k = 0; k < labels.geometry.size[2]; ++k) {
+    for (int j = 0; j < labels.geometry.size[1]; j += 2) {
+      for (int i = 0; i < labels.geometry.size[0]; i += 2) {
+        const Vector3d p = labels.geometry.origin_mm + 4.0 * Vector3d(i, j, k);
+        if (labels.At(i, j, k) != volume::LabelOf("lung") || !motion.InCavity(p)) continue;
+        lung.Add(p, motion.WorldMm(p, {.cycle = 0.0, .level = 1.0, .level_per_s = 0.0}));
+      }
+    }
+  }
+  return lung;
+}
+
+// Median of ten patients: shared data, breathing/dirlab.
+TEST(BreathingMotion, LungMovesLessTheHigherItIsAsInPatients) {
+  const auto motion = testing_support::MotionOf(TrunkLung({TrunkCavity(), {}}));
+  for (std::size_t tenth = 0; tenth < 10; ++tenth) {
+    EXPECT_NEAR(motion.by_height[tenth], testing_support::kMedianByHeight[tenth], 0.15) << tenth;
+  }
+  EXPECT_NEAR(motion.ap_share, testing_support::kMedianApShare, 0.1);
+  EXPECT_NEAR(motion.lr_share, testing_support::kMedianLrShare, 0.1);
+}
+
+TEST(BreathingMotion, OrgansBelowTheDiaphragmKeepTheirVolume) {
+  const BreathingMotion motion(TrunkCavity(), {});
+  RandomStream random(5, "organs");
+  std::vector<double> determinant, change;
+  while (determinant.size() < 400) {
+    const Vector3d p(random.Uniform(-90, 90), random.Uniform(-70, 50), random.Uniform(-130, -15));
+    if (TrunkCavity().wall.LevelMm(p) > -15.0 || p.z() > TrunkCavity().diaphragm.AtMm(p.x(), p.y()))
+      continue;
+    determinant.push_back(Gradient(motion, p, Breaths()[0]).determinant());
+    change.push_back(std::abs(determinant.back() - 1.0));
+  }
+  std::printf("  determinant %.3f, mean change of volume %.3f\n", math::Mean(determinant),
+              math::Mean(change));
+  EXPECT_NEAR(math::Mean(determinant), 1.0, 0.02);
+  EXPECT_LT(math::Mean(change), 0.04);
+  // The wall of the abdomen gives way by as much.
+  const Vector3d belly(0.0, -105.0, -110.0);
+  EXPECT_LT(motion.WorldMm(belly, Breaths()[0]).y(), belly.y() - 1.0);
 }
 
 TEST(BreathingMotion, TissueSlidesAlongTheWallAndNoGapOpens) {

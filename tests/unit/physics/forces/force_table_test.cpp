@@ -19,11 +19,19 @@ json Minimal() {
     "tissues": [{"tissue": "soft_tissue", "source": "test", "cutting_n": 0.5}]})");
 }
 
-TEST(ForceTable, DefaultHasTheLiverOfThePaperAndStopsAtBone) {
-  const ForceTable table = ReadForceTable(kConfigs / "forces" / "default.json");
+TEST(ForceTable, TheTableOf2021HasTheLiverOfThePaper) {
+  const ForceTable table = ReadForceTable(kConfigs / "forces" / "bovine_2021.json");
   const TissueForce& liver = table.tissue[volume::LabelOf("liver")];
   EXPECT_EQ(liver.membrane.a1_n_per_mm, 0.048);
   EXPECT_EQ(liver.membrane.a2_n_per_mm2, 0.0052);
+  EXPECT_FALSE(table.HasTime());
+}
+
+TEST(ForceTable, DefaultHasALiverThatRelaxesAndStopsAtBone) {
+  const ForceTable table = ReadForceTable(kConfigs / "forces" / "default.json");
+  const TissueForce& liver = table.tissue[volume::LabelOf("liver")];
+  EXPECT_LT(liver.time.relaxation.ElasticShare(), 0.3);
+  EXPECT_GT(liver.withdrawal_tip_n, 0.0);
   EXPECT_TRUE(liver.no_membrane_from.test(volume::LabelOf("vessel")));
   EXPECT_FALSE(liver.no_membrane_from.test(volume::LabelOf("fat")));
   EXPECT_TRUE(table.tissue[volume::LabelOf("bone")].impenetrable);

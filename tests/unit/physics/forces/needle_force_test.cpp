@@ -95,6 +95,34 @@ TEST_F(NeedleForceTest, WithdrawalHasItsOwnFriction) {
   EXPECT_GT(drive.work_n_mm, before_n_mm + 1.0);
 }
 
+// On the way in it is not felt; on the way out it is shared by the tissues around the last 5 mm.
+TEST_F(NeedleForceTest, ATissueHoldsTheTipThatIsWithdrawnFromIt) {
+  ForceTable table = SimpleTable();
+  table.tissue[kFat].withdrawal_tip_n = 0.4;
+  const NeedleForceModel holding(table, Trocar());
+  Insertion drive{holding, fat_and_liver};
+  drive.MoveTo(25.0);
+  insertion.MoveTo(25.0);
+  EXPECT_EQ(drive.last.force_in_ct_n, insertion.last.force_in_ct_n);
+  for (const auto& [depth_mm, held_n] :
+       {std::pair{15.0, 0.4}, {4.5, 0.2}, {2.5, 0.04}, {1.0, 0.0}}) {
+    drive.MoveTo(depth_mm);
+    insertion.MoveTo(depth_mm);
+    EXPECT_NEAR(drive.last.friction_n, insertion.last.friction_n - held_n, 1e-3) << depth_mm;
+  }
+  // To and fro where the tip is half in the fat: never more work out than the bristles hold.
+  drive.MoveTo(4.5);
+  const double before_n_mm = drive.work_n_mm;
+  const double held_n_mm =
+      0.5 * std::abs(drive.last.friction_n) * table.settings.friction_buildup_mm;
+  for (int i = 0; i < 20; ++i) {
+    drive.MoveTo(4.5 + 0.1 * i);
+    EXPECT_GE(drive.work_n_mm, before_n_mm - held_n_mm) << i;
+    drive.MoveTo(4.5);
+    EXPECT_GE(drive.work_n_mm, before_n_mm - held_n_mm) << i;
+  }
+}
+
 // Out through the interface and in again: told apart from the first time, and once each time.
 TEST_F(NeedleForceTest, InterfacesInTheChannelAreEventsOfTheirOwn) {
   insertion.MoveTo(45.0);

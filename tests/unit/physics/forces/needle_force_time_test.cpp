@@ -45,6 +45,25 @@ TEST(NeedleForceTime, AMembraneRelaxesAsItsPronySeriesSays) {
   EXPECT_NEAR(drive.last.puncture_n, 0.5 * law.ForceN(3.0), 1e-9);
 }
 
+TEST(NeedleForceTime, WhatHoldsAWithdrawnTipRelaxesWithTheShaft) {
+  ForceTable table = RelaxingTable();
+  const NeedleForceModel without(table, Trocar());
+  table.tissue[kSoft].withdrawal_tip_n = 0.3;
+  const NeedleForceModel with(table, Trocar());
+  Insertion a{without, {{{0.0, kSoft}}}};
+  Insertion b{with, {{{0.0, kSoft}}}};
+  for (Insertion* drive : {&a, &b}) {
+    drive->MoveTo(40.0, 5.0);
+    drive->MoveTo(25.0, 5.0);
+  }
+  EXPECT_NEAR(a.last.friction_n, -0.5, 0.01);
+  EXPECT_NEAR(b.last.friction_n, a.last.friction_n - 0.3, 0.01);
+  const double ratio = b.last.friction_n / a.last.friction_n;
+  for (Insertion* drive : {&a, &b}) drive->StepTo(25.0, 3600.0);
+  EXPECT_LT(std::abs(b.last.friction_n), 0.5);  // Half of it relaxes.
+  EXPECT_NEAR(b.last.friction_n / a.last.friction_n, ratio, 1e-9);
+}
+
 TEST(NeedleForceTime, ASlowNeedlePuncturesDeeperButPunctures) {
   const NeedleForceModel model(RelaxingTable(), Trocar());
   const PuncturePolynomial elastic{0.1, 0.05, 2.1};

@@ -57,7 +57,8 @@ SweptBody ThinLayers() {
                     {46.0, "lung", -700}});
 }
 
-ForceTable Table(const char* name = "default.json") {
+/// Tissues that do not relax: a slow needle punctures them where a fast one does.
+ForceTable Table(const char* name = "bovine_2021.json") {
   return ReadForceTable(kConfigs / "forces" / name);
 }
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
 
 namespace acus::mechanics {
@@ -27,6 +28,32 @@ TEST(ElasticityTable, DefaultHasEverySoftTissueAndNoBone) {
   }
   EXPECT_DOUBLE_EQ(table.At(volume::LabelOf("liver")).youngs_modulus_mpa, 0.0055);
   EXPECT_EQ(table.At(volume::LabelOf("liver")).poissons_ratio, 0.49);
+}
+
+TEST(ElasticityTable, EveryLawIsThatOfAPreset) {
+  const auto folder = std::filesystem::path(ACUS_SOURCE_DIR) / "configs" / "elasticity";
+  for (const auto& [file, kind] : {std::pair{"default.json", LawKind::kFung},
+                                   {"yeoh.json", LawKind::kYeoh},
+                                   {"neo_hookean.json", LawKind::kNeoHookean}}) {
+    const ElasticityTable table = ReadElasticityTable(folder / file);
+    for (const char* tissue : {"skin", "muscle", "liver"}) {
+      EXPECT_EQ(table.law[volume::LabelOf(tissue)].kind, kind) << file << " " << tissue;
+    }
+  }
+}
+
+// A value is an estimate, or has a species and a test.
+TEST(ElasticityTable, SourcesOfPresetsNameSpeciesAndTest) {
+  const auto folder = std::filesystem::path(ACUS_SOURCE_DIR) / "configs" / "elasticity";
+  for (const char* file : {"default.json", "viscoelastic.json", "yeoh.json", "neo_hookean.json"}) {
+    const json document = config::ReadJson(folder / file);
+    for (const json& row : document.at("tissues")) {
+      const std::string source = row.at("source");
+      EXPECT_TRUE(source.starts_with("estimate") || source.starts_with("human, ") ||
+                  source.starts_with("pig, "))
+          << file << ": " << row.at("tissue") << ": " << source;
+    }
+  }
 }
 
 TEST(ElasticityTable, ModuliFollowFromYoungAndPoisson) {

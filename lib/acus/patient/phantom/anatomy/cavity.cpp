@@ -1,7 +1,10 @@
 #include "acus/patient/phantom/anatomy/cavity.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "acus/base/math/statistics.h"
 #include "acus/data/volume/labels.h"
@@ -21,12 +24,16 @@ struct Kinds {
   Label skin = volume::LabelOf("skin");
 };
 
-/// Height of the domes: where the lung ends above at least 24 mm of something else.
-double DomeZ(const volume::Grid<Label>& labels, const Kinds& kinds) {
+constexpr double kBesideHeartMm = 40.0;  // To the right of the middle there is no heart.
+constexpr std::size_t kFewestColumns = 30;
+
+/// Heights at which the lung ends above at least 24 mm of something else, in columns left of
+/// `last_i` in the grid, which is on the patient's right.
+std::vector<double> LungEndsMm(const volume::Grid<Label>& labels, const Kinds& kinds, int last_i) {
   const volume::Geometry& g = labels.geometry;
   std::vector<double> heights;
   for (int j = 0; j < g.size[1]; ++j) {
-    for (int i = 0; i < g.size[0]; ++i) {
+    for (int i = 0; i < std::min(last_i, g.size[0]); ++i) {
       int lowest = 0;
       while (lowest < g.size[2] && labels.At(i, j, lowest) != kinds.lung) ++lowest;
       if (lowest == g.size[2] || lowest < 8) continue;
@@ -38,9 +45,44 @@ double DomeZ(const volume::Grid<Label>& labels, const Kinds& kinds) {
       if (within) heights.push_back(g.origin_mm.z() + kGridMm * lowest);
     }
   }
-  ACUS_REQUIRE(heights.size() > 30,
+  return heights;
+}
+
+/// Height of the domes: of the right one, since lung on the left also ends above the heart.
+double DomeZ(const volume::Grid<Label>& labels, const Kinds& kinds, double middle_i) {
+  const int right = static_cast<int>(middle_i - kBesideHeartMm / kGridMm);
+  std::vector<double> heights = LungEndsMm(labels, kinds, right);
+  if (heights.size() <= kFewestColumns) {
+    heights = LungEndsMm(labels, kinds, labels.geometry.size[0]);
+  }
+  ACUS_REQUIRE(heights.size() > kFewestColumns,
                "breathing motion: no diaphragm is found: the labels need lung above other tissue");
   return math::Quantile(heights, 0.85);
+}
+
+constexpr double kAboveDomeMm = 15.0;  // Lung that begins higher lies on the heart.
+
+DiaphragmHeight DiaphragmOf(const volume::Grid<Label>& labels, const Kinds& kinds,
+                            double dome_z_mm) {
+  const volume::Geometry& g = labels.geometry;
+  std::vector<double> lowest_mm;
+  for (int j = 0; j < g.size[1]; ++j) {
+    for (int i = 0; i < g.size[0]; ++i) {
+      int k = 0;
+      while (k < g.size[2] && labels.At(i, j, k) != kinds.lung) ++k;
+      const double z_mm = g.origin_mm.z() + kGridMm * k;
+      lowest_mm.push_back(k < g.size[2] && z_mm < dome_z_mm + kAboveDomeMm ? z_mm : NAN);
+    }
+  }
+  return {g.origin_mm.head<2>(), kGridMm, g.size.head<2>(), lowest_mm, dome_z_mm};
+}
+
+double MiddleOf(const std::vector<segmentation::TrunkSlice>& slices) {
+  std::vector<double> middle;
+  for (const segmentation::TrunkSlice& slice : slices) {
+    if (slice.body) middle.push_back(slice.middle_x);
+  }
+  return math::Median(middle);
 }
 
 /// The lung's top, in slices; the number of slices if the volume cuts it.
@@ -54,6 +96,23 @@ int LungTop(const volume::Grid<Label>& labels, const Kinds& kinds) {
     }
   }
   return g.size[2];
+}
+
+constexpr double kLeastLungDepthMm = 60.0;  // Of a volume that shows hardly any lung.
+
+/// y between which 98 % of the lung lies, the front first.
+std::pair<double, double> LungDepth(const volume::Grid<Label>& labels, const Kinds& kinds) {
+  const volume::Geometry& g = labels.geometry;
+  std::vector<double> y_mm;
+  for (int k = 0; k < g.size[2]; ++k) {
+    for (int j = 0; j < g.size[1]; ++j) {
+      for (int i = 0; i < g.size[0]; ++i) {
+        if (labels.At(i, j, k) == kinds.lung) y_mm.push_back(g.origin_mm.y() + kGridMm * j);
+      }
+    }
+  }
+  const double front_mm = math::Quantile(y_mm, 0.01);
+  return {front_mm, std::max(math::Quantile(y_mm, 0.99), front_mm + kLeastLungDepthMm)};
 }
 
 /// Fills what of each column along the body lies between cavity within 45 mm: rays do not see
@@ -75,7 +134,74 @@ void FillColumns(Mask& inside, const Mask& bone) {
   }
 }
 
+constexpr double kDiaphragmSmoothMm = 15.0;
+constexpr double kFarWeight = 1e-6;  // Of what holds far from every known column.
+
+/// A Gaussian along one axis of a grid, without its constant factor.
+std::vector<double> SmoothedAlong(int axis, const std::vector<double>& in,
+                                  const Eigen::Array2i& size, double sigma) {
+  const int reach = static_cast<int>(std::ceil(3.0 * sigma));
+  std::vector<double> out(in.size(), 0.0);
+  for (int j = 0; j < size[1]; ++j) {
+    for (int i = 0; i < size[0]; ++i) {
+      double& sum = out[static_cast<std::size_t>(j) * size[0] + i];
+      const int at = axis == 0 ? i : j;
+      for (int n = std::max(0, at - reach); n <= std::min(size[axis] - 1, at + reach); ++n) {
+        const double away = (n - at) / sigma;
+        const std::size_t from = axis == 0 ? static_cast<std::size_t>(j) * size[0] + n
+                                           : static_cast<std::size_t>(n) * size[0] + i;
+        sum += std::exp(-0.5 * away * away) * in[from];
+      }
+    }
+  }
+  return out;
+}
+
 }  // namespace
+
+DiaphragmHeight::DiaphragmHeight(const Eigen::Vector2d& first_mm, double spacing_mm,
+                                 Eigen::Array2i size, std::span<const double> lowest_mm,
+                                 double otherwise_mm)
+    : first_mm_(first_mm), spacing_mm_(spacing_mm), size_(size) {
+  std::vector<double> weight, weighted;
+  for (const double height_mm : lowest_mm) {
+    const bool known = !std::isnan(height_mm);
+    weight.push_back(known ? 1.0 : 0.0);
+    weighted.push_back(known ? height_mm : 0.0);
+  }
+  for (const int axis : {0, 1}) {
+    weight = SmoothedAlong(axis, weight, size, kDiaphragmSmoothMm / spacing_mm);
+    weighted = SmoothedAlong(axis, weighted, size, kDiaphragmSmoothMm / spacing_mm);
+  }
+  height_mm_.resize(weight.size());
+  for (std::size_t n = 0; n < weight.size(); ++n) {
+    height_mm_[n] = (weighted[n] + kFarWeight * otherwise_mm) / (weight[n] + kFarWeight);
+  }
+}
+
+double DiaphragmHeight::AtMm(double x_mm, double y_mm) const noexcept {
+  const Eigen::Array2d last = (size_ - 1).cast<double>();
+  const Eigen::Array2d at =
+      ((Eigen::Array2d(x_mm, y_mm) - first_mm_.array()) / spacing_mm_).max(0.0).min(last);
+  const Eigen::Array2i base = at.cast<int>();
+  const Eigen::Array2d t = at - base.cast<double>();
+  const auto weights = [](double s) {
+    const double r = 1.0 - s;
+    return std::array{r * r * r / 6.0, (4.0 - 6.0 * s * s + 3.0 * s * s * s) / 6.0,
+                      (4.0 - 6.0 * r * r + 3.0 * r * r * r) / 6.0, s * s * s / 6.0};
+  };
+  const std::array<double, 4> wx = weights(t[0]), wy = weights(t[1]);
+  double sum_mm = 0.0;
+  for (int b = 0; b < 4; ++b) {
+    const int j = std::clamp(base[1] + b - 1, 0, size_[1] - 1);
+    for (int a = 0; a < 4; ++a) {
+      const int i = std::clamp(base[0] + a - 1, 0, size_[0] - 1);
+      sum_mm += wx[static_cast<std::size_t>(a)] * wy[static_cast<std::size_t>(b)] *
+                height_mm_[static_cast<std::size_t>(j) * size_[0] + i];
+    }
+  }
+  return sum_mm;
+}
 
 Cavity FindCavity(const volume::LabelMap& labels, const RunContext& context) {
   context.Checkpoint("finding the cavity", 0.0);
@@ -86,9 +212,11 @@ Cavity FindCavity(const volume::LabelMap& labels, const RunContext& context) {
   const volume::Geometry& g = coarse.geometry;
   const std::vector<segmentation::TrunkSlice>& slices = wall->slices;
   Cavity cavity;
-  cavity.dome_z_mm = DomeZ(coarse, kinds);
+  cavity.dome_z_mm = DomeZ(coarse, kinds, MiddleOf(slices));
+  cavity.diaphragm = DiaphragmOf(coarse, kinds, cavity.dome_z_mm);
   const int top = LungTop(coarse, kinds);
   cavity.top_z_mm = top < g.size[2] ? g.origin_mm.z() + kGridMm * top : cavity.dome_z_mm + 160.0;
+  std::tie(cavity.lung_front_mm, cavity.lung_back_mm) = LungDepth(coarse, kinds);
   Mask inside = wall->inside;
   const Mask lung =
       segmentation::Closed(segmentation::MaskOf(coarse, kinds.lung), 4.5, context.num_threads);

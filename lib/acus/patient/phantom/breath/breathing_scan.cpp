@@ -143,14 +143,17 @@ volume::CtVolume ScanAt(const volume::CtVolume& ct, const BreathingMotion& motio
     for (int j = 0; j < ct.geometry.size[1]; ++j) {
       for (int i = 0; i < ct.geometry.size[0]; ++i) {
         const Vector3d world = ct_from_index * Vector3d(i, j, k);
-        Vector3d rest = motion.BeforeChestMm(world, breath);
+        const Vector3d slid = motion.BeforeChestMm(world, breath);
+        Vector3d rest = slid;
         double thinning = 1.0;
         // The wall itself is only asked where it is near: it is the costly part of a voxel.
         const double wall_mm = flow.NearbyWallMm(rest);
         const bool in = std::abs(wall_mm) > flow.ClearMm() ? wall_mm < 0.0 : motion.InCavity(rest);
         if (in) rest = flow.RestMm(rest, thinning);
         double hu = HuAt(ct, index_from_ct * rest);
-        if (hu < kLungBelowHu) hu = -1000.0 + (hu + 1000.0) * thinning;
+        if (hu < kLungBelowHu) {
+          hu = -1000.0 + (hu + 1000.0) * thinning * motion.ChestThinning(slid, breath);
+        }
         if (settings.noise_sd_hu > 0.0) hu += settings.noise_sd_hu * random.Normal();
         out.At(i, j, k) = static_cast<std::int16_t>(std::clamp(std::round(hu), -1024.0, 32767.0));
       }

@@ -68,6 +68,7 @@ TissueForce Tissue(const json& row, const std::string& where) {
   tissue.friction_n_per_mm = row.at("friction_n_per_mm");
   tissue.withdrawal_friction_n_per_mm =
       row.value("withdrawal_friction_n_per_mm", tissue.friction_n_per_mm);
+  tissue.withdrawal_tip_n = row.at("withdrawal_tip_n");
   tissue.cutting_stiffness_n_per_mm = row.at("cutting_stiffness_n_per_mm");
   tissue.cutting_a1_n_per_mm = row.at("cutting_a1_n_per_mm");
   tissue.cutting_a2_n_per_mm2 = row.at("cutting_a2_n_per_mm2");
@@ -158,6 +159,7 @@ ForceTable ForceTable::ScaledTo(double outer_diameter_mm) const {
     row.shaft_n_per_mm2 *= ratio;
     row.friction_n_per_mm *= ratio;
     row.withdrawal_friction_n_per_mm *= ratio;
+    row.withdrawal_tip_n *= ratio;
   }
   scaled.hu_springs.Scale(ratio);
   scaled.vidal.resistance_n_s_per_mm = vidal.resistance_n_s_per_mm * ratio;

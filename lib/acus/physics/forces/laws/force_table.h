@@ -24,6 +24,7 @@ struct TissueForce {
   double cutting_n = 0.0;          ///< At the tip while it advances through fresh tissue.
   double friction_n_per_mm = 0.0;  ///< Per mm of shaft in the tissue while it slides in.
   double withdrawal_friction_n_per_mm = 0.0;  ///< The same while it slides out.
+  double withdrawal_tip_n = 0.0;              ///< What holds the tip while it is withdrawn.
   double cutting_stiffness_n_per_mm = 0.0;    ///< K_t of the model alamilla; 0: the table's.
   /// a1 and a2 inside the tissue, where the springs cut: a2 x^2 + a1 x of what the device is ahead
   /// of the tip holds it until that is cutting_n (Fortmeier-2016 eq. 4). Both 0: a1 is the cutting

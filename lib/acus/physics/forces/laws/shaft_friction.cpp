@@ -5,8 +5,16 @@
 
 namespace acus::forces {
 
+TipGrip::TipGrip(const ForceTable& table) {
+  for (std::size_t i = 0; i < n_per_mm_.size(); ++i) {
+    n_per_mm_[i] = table.tissue[i].withdrawal_tip_n / kTipMm;
+    grips_ |= n_per_mm_[i] > 0.0;
+  }
+}
+
 ShaftFriction::ShaftFriction(const ForceTable& table)
     : settings_(table.friction_time),
+      grip_(table),
       buildup_mm_(table.settings.friction_buildup_mm),
       num_laws_(table.num_times),
       law_of_(table.time_of) {
@@ -56,10 +64,12 @@ double ShaftFriction::ForceN(const ShaftFrictionState& state, const NeedlePath& 
       (s > 0.0 ? in : out)[i] += share * s / law_[i].steady;
     }
   }
-  return path.SumN(depth_mm, [&](const NeedlePath::Segment& segment) {
+  const double shaft_n = path.SumN(depth_mm, [&](const NeedlePath::Segment& segment) {
     const std::uint8_t law = law_of_[segment.tissue];
     return in[law] * segment.friction_n_per_mm + out[law] * segment.withdrawal_n_per_mm;
   });
+  return shaft_n +
+         grip_.SumN(path, depth_mm, [&](volume::Label tissue) { return out[law_of_[tissue]]; });
 }
 
 }  // namespace acus::forces

@@ -2,6 +2,7 @@
 // rested. Equations: docs/models/needle_forces.md, "Time".
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -10,6 +11,29 @@
 #include "acus/physics/forces/path/needle_path.h"
 
 namespace acus::forces {
+
+/// What tissues hold a tip with that is withdrawn. They share the last 5 mm of the needle by
+/// length, so that the force has no step where they meet, and none where the tip leaves the skin.
+/// Const.
+class TipGrip {
+ public:
+  explicit TipGrip(const ForceTable& table);
+
+  /// @param share_of  of a tissue's full grip, by label.  @param depth_mm  of the tip.
+  template <typename ShareOf>
+  double SumN(const NeedlePath& path, double depth_mm, const ShareOf& share_of) const noexcept {
+    if (!grips_) return 0.0;
+    const auto grip = [&](const NeedlePath::Segment& segment) {
+      return n_per_mm_[segment.tissue] * share_of(segment.tissue);
+    };
+    return path.SumN(depth_mm, grip) - path.SumN(std::max(0.0, depth_mm - kTipMm), grip);
+  }
+
+ private:
+  static constexpr double kTipMm = 5.0;
+  std::array<double, 256> n_per_mm_{};
+  bool grips_ = false;
+};
 
 /// A plain value.
 struct ShaftFrictionState : FrictionPace {
@@ -32,7 +56,7 @@ class ShaftFriction {
   /// nor slip. @param travel_mm  + into the tissue.  @param dt_s  > 0.
   void Slide(ShaftFrictionState& state, double travel_mm, double dt_s) const noexcept;
 
-  /// Force on a shaft buried from 0 to `depth_mm`, + pushes it out.
+  /// Force on a shaft buried from 0 to `depth_mm`, with its tip, + pushes it out.
   double ForceN(const ShaftFrictionState& state, const NeedlePath& path,
                 double depth_mm) const noexcept;
 
@@ -43,6 +67,7 @@ class ShaftFriction {
   };
 
   FrictionTime settings_;
+  TipGrip grip_;
   double buildup_mm_;
   std::array<Law, ForceTable::kMostTimes> law_{};
   int num_laws_ = 0;

@@ -11,6 +11,7 @@ ForceTable WithoutSoftTissue(ForceTable table) {
   for (TissueForce& row : table.tissue) {
     row.membrane = {};
     row.cutting_n = row.friction_n_per_mm = row.withdrawal_friction_n_per_mm = 0.0;
+    row.withdrawal_tip_n = 0.0;
   }
   return table;
 }

@@ -30,7 +30,8 @@ NeedleForceModel::NeedleForceModel(const ForceTable& table, const NeedleProperti
     : table_(table.ScaledTo(needle.beam.outer_diameter_mm)),
       needle_(needle),
       guidance_(guidance),
-      shaft_(table_) {}
+      shaft_(table_),
+      grip_(table_) {}
 
 NeedleForce NeedleForceModel::Step(NeedleForceState& state,
                                    const NeedleInput& input) const noexcept {
@@ -188,8 +189,9 @@ double NeedleForceModel::FrictionN(NeedleForceState& state, double shaft_mm) con
   if (table_.HasTime()) return shaft_.ForceN(state.shaft, state.path, shaft_mm);
   const double share = state.bristle.Slide(0.0, table_.settings.friction_buildup_mm);
   // Each sign has its own spring of bristles, and both begin at 0: no energy comes of it.
-  return share *
-         (share < 0.0 ? state.path.WithdrawalFrictionN(shaft_mm) : state.path.FrictionN(shaft_mm));
+  if (share >= 0.0) return share * state.path.FrictionN(shaft_mm);
+  return share * (state.path.WithdrawalFrictionN(shaft_mm) +
+                  grip_.SumN(state.path, shaft_mm, [](volume::Label) { return 1.0; }));
 }
 
 void NeedleForceModel::Finish(NeedleForceState& state, const NeedleMotion& motion, bool was_pierced,

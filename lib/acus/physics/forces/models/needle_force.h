@@ -73,6 +73,7 @@ class NeedleForceModel {
   NeedleProperties needle_;
   GuidanceKind guidance_;
   ShaftFriction shaft_;
+  TipGrip grip_;
 };
 
 }  // namespace acus::forces
