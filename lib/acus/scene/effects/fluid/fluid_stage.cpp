@@ -14,8 +14,8 @@ using Eigen::Vector3d;
 constexpr double kLongestStepS = 1.0;
 constexpr double kShortestStepS = 1e-6;
 constexpr double kLeastDepotMl = 0.02;
-/// Speed at which a thumb no longer presses: no hand follows a plunger that gives way with its
-/// whole force. Estimate.
+/// Speed at which a thumb no longer presses, as no hand follows a yielding plunger with its whole
+/// force. Estimate.
 constexpr double kThumbMmPerS = 10.0;
 constexpr double kTapDuty = 0.4;  ///< Share of a tap's period in which the thumb presses.
 
