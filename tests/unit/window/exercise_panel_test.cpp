@@ -49,7 +49,8 @@ TEST(LinesToShow, NothingIsWellBesideAFailedStep) {
   DisplayFrame frame;
   EXPECT_THAT(TextsOf(LinesToShow(frame, {})), testing::ElementsAre("All is well."));
   frame.exercise.emplace();
-  frame.exercise->steps = {{"Place the probe", StepState::kDone}, {"Spare bone", StepState::kFailed}};
+  frame.exercise->steps = {{"Place the probe", StepState::kDone},
+                           {"Spare bone", StepState::kFailed}};
   EXPECT_THAT(TextsOf(LinesToShow(frame, {})), testing::ElementsAre("Failed: Spare bone."));
 }
 

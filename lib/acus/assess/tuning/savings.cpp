@@ -17,8 +17,8 @@ constexpr std::array kOtherSpeckle = {"speckle", "fibre_texture", "point_spread"
 bool IsDifference(const SweepResult& result, const SettingResult& setting) {
   if (std::ranges::find(kOtherSpeckle, setting.knob) != kOtherSpeckle.end()) return true;
   const auto knob = std::ranges::find(result.knobs, setting.knob, &Knob::name);
-  return knob != result.knobs.end() && !knob->values.empty() &&
-         knob->values.front().is_string() && !knob->is_folder;
+  return knob != result.knobs.end() && !knob->values.empty() && knob->values.front().is_string() &&
+         !knob->is_folder;
 }
 
 /// 100 (1 - now / before), its interval by the relative ones of both.
@@ -82,9 +82,10 @@ std::vector<Saving> SavingsOf(const SweepResult& result) {
   std::vector<Saving> savings;
   for (const SettingResult& now : result.settings) {
     if (now.is_reference || !now.unusable.empty()) continue;
-    const auto reference = std::ranges::find_if(result.settings, [&now](const SettingResult& other) {
-      return other.is_reference && other.knob == now.knob;
-    });
+    const auto reference =
+        std::ranges::find_if(result.settings, [&now](const SettingResult& other) {
+          return other.is_reference && other.knob == now.knob;
+        });
     if (reference == result.settings.end()) continue;
     const bool is_difference = IsDifference(result, now);
     const auto knob = std::ranges::find(result.knobs, now.knob, &Knob::name);
@@ -130,7 +131,8 @@ std::string NoticedText(const Saving& saving) {
     if (saving.loss.mean < kSideBySide) return "little, images side by side";
     return saving.loss.mean < kPlain ? "a somewhat different texture" : "a different image";
   }
-  constexpr double kNoticed = 10.0, kPlain = 30.0;  // Weber's share for forces at the hand: 7 to 10 %.
+  constexpr double kNoticed = 10.0,
+                   kPlain = 30.0;  // Weber's share for forces at the hand: 7 to 10 %.
   const std::string share = RoundedText(saving.loss_percent, 2) + " % of the force felt: ";
   if (saving.loss_percent < kNoticed) return share + "below what a hand notices";
   return share + (saving.loss_percent < kPlain ? "noticed in a comparison" : "plainly felt");
@@ -157,9 +159,8 @@ report::Plot SavingsPlot(const std::vector<Saving>& savings) {
   plot.log_x = true;
   plot.y_from_zero = true;
   report::Series force{.name = "force, a step", .style = report::Style::kPoints};
-  report::Series image{.name = "image",
-                       .style = report::Style::kPoints,
-                       .symbol = report::Symbol::kDiamond};
+  report::Series image{
+      .name = "image", .style = report::Style::kPoints, .symbol = report::Symbol::kDiamond};
   for (const Saving& saving : savings) {
     if (saving.is_difference || !saving.SavesTime() || !(saving.loss_percent > 0.0)) continue;
     report::Series& series = saving.is_image ? image : force;

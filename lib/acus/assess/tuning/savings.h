@@ -1,4 +1,5 @@
-// What each cheaper setting saves in time and loses in accuracy: the first plot and table of a page.
+// What each cheaper setting saves in time and loses in accuracy: the first plot and table of a
+// page.
 #pragma once
 
 #include <string>
@@ -16,16 +17,16 @@ struct Saving {
   bool is_image = false;
   /// Another model, or other speckle: what differs is another image of the tissue and no error.
   bool is_difference = false;
-  Estimate saved_percent;  ///< Of the CPU time of a step or an image; negative: it takes longer.
-  Estimate loss;           ///< RMS difference from the reference: N, or grey levels of 255.
+  Estimate saved_percent;     ///< Of the CPU time of a step or an image; negative: it takes longer.
+  Estimate loss;              ///< RMS difference from the reference: N, or grey levels of 255.
   double loss_percent = 0.0;  ///< Of the RMS force felt, or of 255 grey levels.
 
   /// Of the time: the interval does not hold 0. True where there was one run only.
   bool SavesTime() const;
 };
 
-/// Of all settings that may be used, but the references: those that save most first; those whose time
-/// is not distinguishable from the reference's last. They point into `result`.
+/// Of all settings that may be used, but the references: those that save most first; those whose
+/// time is not distinguishable from the reference's last. They point into `result`.
 std::vector<Saving> SavingsOf(const SweepResult& result);
 
 /// Setting, time saved, loss, what is noticed of it; a row for each.
@@ -43,8 +44,8 @@ std::string LossText(const Saving& saving);
 /// What a hand or an eye notices of the loss, by rule of thumb.
 std::string NoticedText(const Saving& saving);
 
-/// Time saved over loss, both in percent; without series where nothing was lost or saved. Differences
-/// are not in it.
+/// Time saved over loss, both in percent; without series where nothing was lost or saved.
+/// Differences are not in it.
 report::Plot SavingsPlot(const std::vector<Saving>& savings);
 
 }  // namespace acus::tuning

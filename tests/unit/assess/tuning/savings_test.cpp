@@ -45,16 +45,15 @@ SweepResult Sweep() {
                   KnobWith("comet_tail", ActsOn::kImage, {false, true}),
                   KnobWith("ultrasound_model", ActsOn::kImage, {"columns_2010", "beams"}),
                   KnobWith("speckle", ActsOn::kImage, {false, true})};
-  result.settings = {
-      ForceSetting("needle_nodes", 8, {5, 0.5, 3}, {0.2, 0.02, 3}),
-      ForceSetting("needle_nodes", 15, {49, 3, 3}, {0.01, 0.02, 3}),
-      ForceSetting("needle_nodes", 50, {50, 2, 3}, {0, 0, 3}, true),
-      ImageSetting("comet_tail", false, {8, 0.1, 3}, {0.5, 0.1, 3}),
-      ImageSetting("comet_tail", true, {10, 0.1, 3}, {0, 0, 3}, true),
-      ImageSetting("ultrasound_model", "columns_2010", {1, 0.1, 3}, {40, 1, 3}),
-      ImageSetting("ultrasound_model", "beams", {10, 0.1, 3}, {0, 0, 3}, true),
-      ImageSetting("speckle", false, {9, 0.1, 3}, {30, 24, 3}),
-      ImageSetting("speckle", true, {10, 0.1, 3}, {0, 0, 3}, true)};
+  result.settings = {ForceSetting("needle_nodes", 8, {5, 0.5, 3}, {0.2, 0.02, 3}),
+                     ForceSetting("needle_nodes", 15, {49, 3, 3}, {0.01, 0.02, 3}),
+                     ForceSetting("needle_nodes", 50, {50, 2, 3}, {0, 0, 3}, true),
+                     ImageSetting("comet_tail", false, {8, 0.1, 3}, {0.5, 0.1, 3}),
+                     ImageSetting("comet_tail", true, {10, 0.1, 3}, {0, 0, 3}, true),
+                     ImageSetting("ultrasound_model", "columns_2010", {1, 0.1, 3}, {40, 1, 3}),
+                     ImageSetting("ultrasound_model", "beams", {10, 0.1, 3}, {0, 0, 3}, true),
+                     ImageSetting("speckle", false, {9, 0.1, 3}, {30, 24, 3}),
+                     ImageSetting("speckle", true, {10, 0.1, 3}, {0, 0, 3}, true)};
   return result;
 }
 
