@@ -86,7 +86,7 @@ struct ForceReadout {
   double limit_n = 0.0;  ///< Limit of the safety guard; full scale of the bar.
   /// Force of the thumb on the plunger; nothing: there is no syringe. Takes the place of the
   /// probe's bar.
-  std::optional<double> plunger_n;
+  std::optional<double> plunger_n = std::nullopt;
 };
 
 /// State of an exercise at one time.
