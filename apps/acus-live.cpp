@@ -16,7 +16,8 @@ int main(int argc, char** argv) {
       "  acus-live scenario.json --devices devices/virtual.json --hand session --headless \\\n"
       "    --duration 2 -o live_session --set /patient/ct=ct.nrrd \\\n"
       "    --set /patient/labels=labels.seg.nrrd --overwrite\n"
-      "  acus-replay scenario.json live_session --ct ct.nrrd --labels labels.seg.nrrd -o live_run\n"
+      "  acus-replay scenario.json live_session --ct ct.nrrd --labels labels.seg.nrrd "
+      "--transform identity -o live_run\n"
       "  live_run/forces.csv is then live_session/forces.csv, byte for byte.");
   return acus::RunMain(app, argc, argv,
                        [&](acus::RunContext& context) { return run(context, std::cout); });

@@ -21,8 +21,7 @@ int main(int argc, char** argv) {
       "\nEXAMPLE\n"
       "  acus-mesh labels.seg.nrrd -o mesh\n"
       "  acus-mesh labels.seg.nrrd --corridor-from 0,120,0 --corridor-to 0,30,0 --condense "
-      "-o fine\n"
-      "  acus-mesh labels.seg.nrrd --corridor patient/corridor_ct.csv --condense -o fine\n");
+      "-o fine\n");
   auto* labels_option =
       app.add_option("labels", labels, "Label map, such as acus-segment's labels.seg.nrrd")
           ->check(CLI::ExistingFile);

@@ -60,7 +60,8 @@ int main(int argc, char** argv) {
   });
   app.footer(
       "EXAMPLE\n"
-      "  acus-replay scenario.json session --ct ct.nrrd --labels labels.seg.nrrd -o run --explain\n"
+      "  acus-replay scenario.json session --ct ct.nrrd --labels labels.seg.nrrd "
+      "--transform identity -o run --explain\n"
       "  The report is then run/report.html.");
 
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {

@@ -1,6 +1,6 @@
 # acus-regression: what moved, and the one command that makes it the expected outcome.
 acus_add_cli_case(acus-regression.new EXIT 4 NEEDS inputs
-  STDOUT "^NEW +insertion" "0 of 1 cases are as expected"
+  STDOUT "^NEW +insertion" "0 of 1 case is as expected"
   STDERR "acus-regression accept makes it the expected one"
   CREATES result/regression.html result/regression.json result/insertion/run/forces.csv
   COMMAND acus-regression run $INPUTS/suite -o result)
@@ -36,7 +36,7 @@ acus-regression new p/scenario.json p/session --ct p/ct.nrrd --labels p/labels.s
   --set /effects/ultrasound=null --set /image_rate_hz=1 -o p/made >/dev/null
 mv p q && (cd q && acus-regression run made -o a >/dev/null 2>&1 || true)
 acus-regression accept q/made q/a >/dev/null"
-  STDOUT "1 of 1 cases are as expected"
+  STDOUT "1 of 1 case is as expected"
   COMMAND acus-regression run q/made -o b)
 acus_add_cli_case(acus-regression.new_without_patient EXIT 3 NEEDS inputs LEAVES_NOTHING
   STDERR "labels" COMMAND acus-regression new $INPUTS/scenario.json $INPUTS/session -o made)

@@ -35,7 +35,7 @@ acus_add_cli_case(acus-segment.vertebra_without_point EXIT 3 NEEDS inputs LEAVES
   BEFORE "${segment_ct}" STDERR "L3.*must be a name and a point"
   COMMAND acus-segment ct.nrrd --vertebra L3 -o out)
 acus_add_cli_case(acus-segment.label_map_as_ct EXIT 3 NEEDS inputs LEAVES_NOTHING
-  STDERR "label map.*no CT in Hounsfield units"
+  STDERR "is a label map .*a CT in Hounsfield units is needed"
   COMMAND acus-segment $INPUTS/labels.seg.nrrd -o out)
 # Label maps made elsewhere: by name, and not if they cannot be of the patient.
 acus_add_cli_case(acus-segment.import_by_segments EXIT 0 NEEDS inputs TIMEOUT 300 BEFORE "${segment_ct}"
@@ -54,7 +54,7 @@ acus_add_cli_case(acus-segment.import_impossible_accepted EXIT 0 NEEDS inputs TI
   COMMAND acus-segment ct.nrrd --import $INPUTS/labels.seg.nrrd --mapping m.json
           --accept-implausible -o out)
 acus_add_cli_case(acus-segment.import_empty_folder EXIT 3 NEEDS inputs TIMEOUT 300 LEAVES_NOTHING
-  BEFORE "${segment_ct}\nmkdir masks" STDERR "masks: holds 0 DICOM segmentation objects"
+  BEFORE "${segment_ct}\nmkdir masks" STDERR "masks: holds 0 DICOM segmentations or structure sets"
   COMMAND acus-segment ct.nrrd --import masks -o out)
 acus_add_cli_case(acus-segment.import_a_ct EXIT 3 NEEDS inputs TIMEOUT 300 LEAVES_NOTHING
   BEFORE "${segment_ct}" STDERR "ct.nrrd: values that are not in the mapping: .* and [0-9]+ more"

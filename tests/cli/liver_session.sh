@@ -35,7 +35,7 @@ fi
 acus-segment "$ct" --atlas atlas -o found >/dev/null 2>&1
 cat >forces_only.json <<JSON
 {"format": "acus-scenario/1", "patient": {}, "needle": "needles/spinal_22g.json",
- "effects": {"needle_force": {"model": "layered", "table": "forces/default.json"}}}
+ "effects": {"needle_force": {"model": "layered", "table": "forces/bovine_2021.json"}}}
 JSON
 acus-phantom scene reference/labels.seg.nrrd --target liver --window intercostal -o scene >scene.txt 2>/dev/null
 grep -h "^Passes through" scene.txt

@@ -170,7 +170,7 @@ bool TissuesAreToldByTheCt(const EffectChoice& choice) {
   if (choice.effects.contains("tissue")) {
     return choice.effects.at("tissue").value("model", "") == "springs";
   }
-  return choice.effect == "needle_force" || choice.effect == "needle";
+  return choice.effect == "needle_force" || choice.effect == "needle" || choice.effect == "fluid";
 }
 
 TEST(EffectInputs, EveryMissingInputOfEveryEffectIsAnErrorThatNamesBoth) {

@@ -47,7 +47,8 @@ struct BendingScene {
     }
     scene.needle = needle::ReadNeedle(configs / needle);
     scene.needle->bevel = {bevel_curvature_per_mm, bevel_roll_rad};
-    const auto table = forces::ReadForceTable(configs / "forces/default.json");
+    // Without relaxation: the force on a needle at rest is constant.
+    const auto table = forces::ReadForceTable(configs / "forces/bovine_2021.json");
     scene.forces.reset();
     scene.force_from_tissue = springs;
     const auto elasticity = mechanics::ReadElasticityTable(configs / "elasticity/default.json");

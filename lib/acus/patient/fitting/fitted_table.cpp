@@ -26,8 +26,7 @@ std::vector<ForceCurve> Replayed(const forces::ForceTable& table, const std::str
     ForceCurve& curve = out.emplace_back(*curves[i]);
     const CurvePhases& phases = fits[i].phases;
     if (phases.advance.size() == 0 || phases.hold.size() == 0) continue;
-    const auto force =
-        ReplayThroughTable(table, tissue, curve, fits[i], needle_diameter_mm);
+    const auto force = ReplayThroughTable(table, tissue, curve, fits[i], needle_diameter_mm);
     const double offset_n = fits[i].offset_n ? fits[i].offset_n->value : 0.0;
     for (std::size_t k = 0; k < force.size(); ++k) {
       curve.force_n[phases.advance.begin + k] = force[k] + offset_n;
@@ -54,20 +53,19 @@ std::vector<double> ReplayThroughTable(const forces::ForceTable& table, const st
     const double depth_mm = std::max(0.0, curve.depth_mm[i]);
     force_n.push_back(
         model
-            .Step(state,
-                  {curve.time_s[i], {0, 0, depth_mm}, Eigen::Vector3d::UnitZ(), label, true})
+            .Step(state, {curve.time_s[i], {0, 0, depth_mm}, Eigen::Vector3d::UnitZ(), label, true})
             .AxialN());
   }
   return force_n;
 }
 
 json FittedTable(const json& base, const std::string& tissue,
-                 std::span<const ForceCurve* const> curves,
-                 std::span<const PunctureCurveFit> fits, double needle_diameter_mm) {
+                 std::span<const ForceCurve* const> curves, std::span<const PunctureCurveFit> fits,
+                 double needle_diameter_mm) {
   const HoldCurve recorded = HoldCurve::MeanOf(curves, fits);
   HoldCurve aimed_at = recorded;
-  json table =
-      TableWithFittedTissue(base, tissue, fits, RelaxationRow(FitHold(aimed_at)), needle_diameter_mm);
+  json table = TableWithFittedTissue(base, tissue, fits, RelaxationRow(FitHold(aimed_at)),
+                                     needle_diameter_mm);
   for (int round = 0; round < kRelaxationRounds && !recorded.left.empty(); ++round) {
     const auto replays = Replayed(forces::ForceTableFromJson(table, "the fitted table"), tissue,
                                   curves, fits, needle_diameter_mm);

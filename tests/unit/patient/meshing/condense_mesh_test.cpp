@@ -90,7 +90,8 @@ TEST_F(CondenseMesh, NeedsACorridor) {
   const json document = config::CheckedConfig({{"format", "acus-mesh/1"}}, "acus-mesh", "test");
   MeshConfig config = MeshConfigFromJson(document);
   EXPECT_THAT([&] { RequestCondensation(config, document, ".", ""); },
-              ThrowsMessage<InputError>(HasSubstr("give --corridor-from and --corridor-to")));
+              ThrowsMessage<InputError>(
+                  HasSubstr("give --corridor, or --corridor-from and --corridor-to")));
 }
 
 TEST_F(CondenseMesh, NamesWhatIsNotKnown) {

@@ -345,7 +345,7 @@ TEST_F(LiveReplay, ForcesAreInTheFrameOfTheDeviceAndAboutItsHandle) {
 }
 
 TEST_F(LiveReplay, AReadingThatIsNotLaterMakesNoStepAndPausedForcesAreNone) {
-  Load({});
+  Load({{"/effects/needle_force/table", "forces/bovine_2021.json"}});  // Without relaxation.
   CoreSettings settings = Settings();
   LiveCore core(*scene_, settings, nullptr, nullptr);
   haptics::DeviceForce force;

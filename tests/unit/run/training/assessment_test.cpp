@@ -164,13 +164,17 @@ Assessment Example(const std::string& trainee, double attempts) {
   return assessment;
 }
 
-// 20 mm beside the target, and all other goals met: a trial of every exercise that is shipped
-// fails.
+// 20 mm beside the target, and all other goals met: a trial of every exercise with a target fails.
 TEST(Assessment, AMissOfTheTargetFailsTheTrial) {
   int exercises = 0;
   for (const auto& entry :
        std::filesystem::directory_iterator(ACUS_SOURCE_DIR "/configs/exercises")) {
     const Exercise exercise = ReadExercise(entry.path());
+    const auto metric = [](const Goal& goal) { return goal.metric; };
+    if (std::ranges::find(exercise.goals, "tip to target at the end", metric) ==
+        exercise.goals.end()) {
+      continue;  // An epidural puncture ends where the resistance is lost.
+    }
     Assessment trial;
     for (const Goal& goal : exercise.goals) {
       const bool is_target = goal.metric == "tip to target at the end";

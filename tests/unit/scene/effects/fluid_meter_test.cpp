@@ -28,7 +28,7 @@ std::optional<double> ValueOf(const FluidMeter& meter, const std::string& name) 
 TEST(FluidMeter, MeasuresHowFarAndHowLongTheNeedleGoesOnAfterTheLoss) {
   FluidMeter meter;
   meter.Add(0.0, RowOf(40.0, 0.0, 0.0));
-  EXPECT_FALSE(ValueOf(meter, "advance after the loss of resistance"));
+  EXPECT_EQ(ValueOf(meter, "advance after the loss of resistance"), 0.0);
   EXPECT_THAT(meter.Findings().front(), testing::HasSubstr("no loss of resistance"));
   meter.Add(1.0, RowOf(60.0, 0.0, 0.0));
   meter.Add(2.0, RowOf(3.0, 1.0, 0.0));

@@ -39,18 +39,16 @@ void FluidMeter::Add(double session_s, std::span<const double> columns) {
 }
 
 std::vector<MeasuredValue> FluidMeter::Values() const {
-  std::vector<MeasuredValue> values = {{"largest injection pressure", "kPa", largest_kpa_},
-                                       {"injected volume", "ml", injected_ml_},
-                                       {"fluid returned at the hub", "ml", returned_ml_},
-                                       {"losses of resistance in the epidural space", "", losses_},
-                                       {"losses of resistance elsewhere", "", false_losses_},
-                                       {"dural punctures", "", dural_punctures_},
-                                       {"vessel entries", "", vessel_entries_}};
-  if (losses_ > 0.0) {
-    values.push_back({"advance after the loss of resistance", "mm", overshoot_mm_});
-    values.push_back(
-        {"time from the loss of resistance to the stop", "s", deepest_s_ - first_loss_s_});
-  }
+  std::vector<MeasuredValue> values = {
+      {"largest injection pressure", "kPa", largest_kpa_},
+      {"injected volume", "ml", injected_ml_},
+      {"fluid returned at the hub", "ml", returned_ml_},
+      {"losses of resistance in the epidural space", "", losses_},
+      {"losses of resistance elsewhere", "", false_losses_},
+      {"dural punctures", "", dural_punctures_},
+      {"vessel entries", "", vessel_entries_},
+      {"advance after the loss of resistance", "mm", overshoot_mm_},
+      {"time from the loss of resistance to the stop", "s", deepest_s_ - first_loss_s_}};
   return values;
 }
 
