@@ -58,7 +58,7 @@ class PulsatingScene : public testing::Test {
          {"patient", {{"ct", "ct.nrrd"}, {"labels", "labels.seg.nrrd"}}},
          {"probe", "probes/linear_l14.json"},
          {"effects",
-          {{"needle_force", {{"model", "layered"}}},
+          {{"needle_force", {{"model", "layered"}, {"table", "forces/bovine_2021.json"}}},
            {"ct_slice", {{"needle", false}, {"window", {{"centre_hu", 140}, {"width_hu", 400}}}}},
            {"pulsating_vessels",
             {{"centrelines", "vessel.csv"},
