@@ -125,7 +125,7 @@ TissueBlockTables TissueBlockTables::FromPresets(Provenance& provenance) {
     provenance.AddInput(path);
     return path;
   };
-  return {forces::ReadForceTable(preset("forces/default.json")),
+  return {forces::ReadForceTable(preset("forces/bovine_2021.json")),
           forces::ReadNeedle(preset("needles/trocar_18g.json")),
           mechanics::ReadElasticityTable(preset("elasticity/default.json"))};
 }

@@ -295,7 +295,7 @@ TEST(ForcesClosedLoop, BoneAloneGeneratesNoEnergyAndHasNoLimitCycle) {
       }
       device.dry_friction_n = 0.0;
     };
-    const NeedleForceModel layered(ShippedTable("default.json"), Trocar18G());
+    const NeedleForceModel layered(ShippedTable("bovine_2021.json"), Trocar18G());
     const AlamillaModel alamilla(ShippedTable("alamilla.json"), Trocar18G());
     const VidalModel vidal(ShippedTable("vidal.json"), Trocar18G(), body);
     check("layered", [&] { return DrivenLayered{layered, body}; });
@@ -350,7 +350,7 @@ TEST(ForcesClosedLoop, StandingStillInTissueThereIsNoLimitCycle) {
                   held.SwingMm(8.0, 12.0), AtMost(dry_friction_n > 0.0 ? 1e-6 : 0.04), "mm");
     }
   };
-  const NeedleForceModel layered(ShippedTable("default.json"), Trocar18G());
+  const NeedleForceModel layered(ShippedTable("bovine_2021.json"), Trocar18G());
   const AlamillaModel alamilla(ShippedTable("alamilla.json"), Trocar18G());
   const VidalModel vidal(ShippedTable("vidal.json"), Trocar18G(), body);
   check("layered", [&] { return DrivenLayered{layered, body}; });

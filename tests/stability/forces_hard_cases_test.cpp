@@ -39,7 +39,7 @@ template <typename T>
 struct Kind;
 template <>
 struct Kind<DrivenLayered> {
-  static constexpr const char* kTable = "default.json";
+  static constexpr const char* kTable = "bovine_2021.json";
   static constexpr const char* kName = "layered";
   static NeedleForceModel Make(const ForceTable& table, const HuField&) {
     return NeedleForceModel(table, Trocar18G());

@@ -56,6 +56,11 @@ inline void KeepFailure(const std::filesystem::path& folder, const FailureToKeep
   if (trace.phase == ScenarioTrial::kHeldBreath) {
     scenario["effects"]["breathing"]["hold"] = {{ScenarioTrial::kHeldFromS, 1e4}};
   }
+  // The trial's hands are in the frame of the CT, which a session has to say.
+  if (!scenario["patient"].contains("ct_from_reference") &&
+      !scenario["patient"].contains("ct_from_reference_file")) {
+    scenario["patient"]["ct_from_reference_file"] = "identity";
+  }
   config::WriteJson(folder / "scenario.json", scenario);
   // Before the hand's steps it breathes as drawn, in the trial too.
   config::WriteJson(folder / "trial.json", failure.scenario);

@@ -83,7 +83,12 @@ std::string OutcomeText(const Assessment& assessment) {
     return metric->value;
   };
   const auto end_mm = value("tip to target at the end");
-  if (!end_mm || assessment.target.empty()) return "Insertion made.";
+  const bool judges_target = assessment.goals.empty() ||
+                             std::ranges::any_of(assessment.goals, [](const GoalResult& result) {
+                               return result.goal.metric.starts_with("tip to target") ||
+                                      result.goal.metric == kTimeToTarget;
+                             });
+  if (!end_mm || assessment.target.empty() || !judges_target) return "Insertion made.";
   const bool reached = *end_mm <= assessment.target_radius_mm;
   std::string text = Message(reached ? "Target reached" : "Target not reached", ": the tip ended ",
                              RoundedText(*end_mm, 3), " mm from ", assessment.target, " (at most ",

@@ -32,6 +32,7 @@ class Puncture {
     settings.rows.canal = volume::LabelOf("spinal_canal");
     settings.rows.ligament = volume::LabelOf("ligament");
     settings.rows.fat = volume::LabelOf("fat");
+    settings.rows.bone = volume::LabelOf("bone");
     settings.rows.epidural = table.TissueIndex("epidural_lumbar");
     settings.rows.subarachnoid = table.TissueIndex("spinal_canal");
     settings.rows.vessel = table.TissueIndex("vein");
@@ -53,6 +54,8 @@ class Puncture {
     if (z_mm < 0.0) return 0;
     if (z_mm < kLigamentMm) return volume::LabelOf("muscle");
     if (z_mm < kFatMm) return volume::LabelOf("ligament");
+    // Voxels of muscle within the epidural fat, as coarse label maps have them.
+    if (z_mm > kFatMm + 0.2 && z_mm < kFatMm + 0.4) return volume::LabelOf("muscle");
     return volume::LabelOf(z_mm < kCanalMm ? "fat" : "spinal_canal");
   }
 

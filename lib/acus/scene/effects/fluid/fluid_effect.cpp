@@ -39,6 +39,7 @@ FluidRows RowsOf(const fluid::FluidTable& table, const json& settings) {
   rows.canal = volume::LabelOf("spinal_canal");
   rows.ligament = volume::LabelOf("ligament");
   rows.fat = volume::LabelOf("fat");
+  rows.bone = volume::LabelOf("bone");
   rows.epidural = RowNamed(table, settings.at("epidural"));
   rows.subarachnoid = RowNamed(table, settings.at("subarachnoid"));
   return rows;

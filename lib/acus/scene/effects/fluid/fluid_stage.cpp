@@ -76,9 +76,12 @@ int FluidStage::RowAt(FluidStageState& state, volume::Label label,
                       const Vector3d& tip_mm) const noexcept {
   const FluidRows& rows = settings_.rows;
   const bool was_in_canal = state.is_in_canal;
-  const bool enters_fat_behind_ligament =
-      label == rows.fat && (was_in_canal || state.label == rows.ligament);
-  state.is_in_canal = label != 0 && (label == rows.canal || enters_fat_behind_ligament);
+  const bool enters_fat_behind_ligament = label == rows.fat && state.label == rows.ligament;
+  const double behind_mm = (tip_mm - VectorOf(state.canal_entry_mm)).norm();
+  const bool is_before_canal = was_in_canal && label != rows.ligament && label != rows.bone &&
+                               behind_mm < settings_.epidural_depth_mm;
+  state.is_in_canal =
+      label != 0 && (label == rows.canal || enters_fat_behind_ligament || is_before_canal);
   state.label = label;
   state.has_met_ligament = state.has_met_ligament || label == rows.ligament;
   if (!state.is_in_canal) return rows.of_label[label];

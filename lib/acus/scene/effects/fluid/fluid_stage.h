@@ -25,7 +25,8 @@ struct FluidRows {
   std::array<int, 256> of_label{};  ///< Outside the spinal canal.
   volume::Label canal = 0;          ///< Labels: of the spinal canal ...
   volume::Label ligament = 0;       ///< ... of the ligaments before it ...
-  volume::Label fat = 0;            ///< ... of fat, which right behind them is epidural.
+  volume::Label fat = 0;            ///< ... of fat, which right behind them is epidural ...
+  volume::Label bone = 0;           ///< ... and of bone.
   int epidural = 0;
   int subarachnoid = 0;
   int vessel = 0;
