@@ -59,7 +59,7 @@ inline void KeepFailure(const std::filesystem::path& folder, const FailureToKeep
   // The trial's hands are in the frame of the CT, which a session has to say.
   if (!scenario["patient"].contains("ct_from_reference") &&
       !scenario["patient"].contains("ct_from_reference_file")) {
-    scenario["patient"]["ct_from_reference_file"] = "identity";
+    scenario["patient"]["ct_from_reference"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   }
   config::WriteJson(folder / "scenario.json", scenario);
   // Before the hand's steps it breathes as drawn, in the trial too.
