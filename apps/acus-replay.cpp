@@ -59,8 +59,7 @@ int main(int argc, char** argv) {
     if (session_path.empty() && !check) throw CLI::RequiredError("session");
   });
   app.footer(
-      "EXAMPLE\n"
-      "  acus-replay scenario.json session --ct ct.nrrd --labels labels.seg.nrrd "
+      "EXAMPLE\n  acus-replay scenario.json session --ct ct.nrrd --labels labels.seg.nrrd "
       "--transform identity -o run --explain\n"
       "  The report is then run/report.html.");
 

@@ -21,7 +21,7 @@ ExerciseOnDisplay::Goal GoalToShow(const replay::GoalNow& goal) {
   if (goal.at_end) {
     out.value = "in the report";
   } else if (result.goal.metric.starts_with("tip to target") && result.value) {
-    // Of another moment: its number beside the distance now would be two answers to one question.
+    // Its number is of another time than the distance shown: the window shows one distance only.
     out.value = result.met ? "met so far" : "not yet";
     out.severity = result.met ? Severity::kGood : Severity::kNote;
   } else if (result.value) {

@@ -25,8 +25,8 @@ double CliffsDelta(std::span<const double> a, std::span<const double> b);
 /// value): the difference has no scale then. @pre both have at least two values.
 double HedgesG(std::span<const double> a, std::span<const double> b);
 
-/// Of g = HedgesG() of m and n values, by the noncentral t distribution: exact for normal values of
-/// one SD, and as wide as few values make it. @pre m, n >= 2, confidence in (0, 1).
+/// Interval of g = HedgesG() of m and n values, by the noncentral t distribution: exact for normal
+/// values of one SD. @pre m, n >= 2, confidence in (0, 1).
 Interval IntervalOfG(double g, std::size_t m, std::size_t n, double confidence);
 
 /// A bootstrap of fewer values than this in a group says nothing about the scatter.

@@ -21,12 +21,12 @@ struct Saving {
   Estimate loss;              ///< RMS difference from the reference: N, or grey levels of 255.
   double loss_percent = 0.0;  ///< Of the RMS force felt, or of 255 grey levels.
 
-  /// Of the time: the interval does not hold 0. True where there was one run only.
+  /// True if the interval of the time does not contain 0, or there was one run only.
   bool SavesTime() const;
 };
 
-/// Of all settings that may be used, but the references: those that save most first; those whose
-/// time is not distinguishable from the reference's last. They point into `result`.
+/// Savings of all usable settings except the references, the largest first; those whose time is not
+/// distinguishable from the reference's last. They point into `result`.
 std::vector<Saving> SavingsOf(const SweepResult& result);
 
 /// Setting, time saved, loss, what is noticed of it; a row for each.
@@ -34,7 +34,7 @@ struct SavingsTable {
   std::vector<std::string> header;
   std::vector<std::vector<std::string>> rows;
 };
-/// Of those that are a difference, or of the others.
+/// Table of the savings that are differences between models, or of the others.
 SavingsTable TableOf(const std::vector<Saving>& savings, bool differences);
 
 /// "42 % +- 3", or "not distinguishable".
