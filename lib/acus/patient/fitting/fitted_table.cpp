@@ -14,7 +14,7 @@ namespace {
 using nlohmann::json;
 
 constexpr int kRelaxationRounds = 3;
-constexpr double kLeastLeft = 0.02;  // Of the force a hold begins with.
+constexpr double kLeastLeft = 0.02;  // Least share of a hold's first force.
 
 /// The recordings with the forces of their replays, offsets included.
 std::vector<ForceCurve> Replayed(const forces::ForceTable& table, const std::string& tissue,

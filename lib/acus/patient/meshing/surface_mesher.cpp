@@ -69,7 +69,7 @@ void FaceCuttingShellsOutwards(mesh::Surface& surface) {
                       for (std::size_t i = 1; i < n; ++i)
                         shells.Join(edge[0].triangle, edge[i].triangle);
                     });
-  std::map<int, double> volume_mm3;  // Of the shells that cut another one.
+  std::map<int, double> volume_mm3;  // Volume by shell, of shells that cut another one.
   for (const auto& [a, b] : mesh::IntersectingPairs(surface, kMostCuts)) {
     if (shells.Find(a) != shells.Find(b))
       volume_mm3[shells.Find(a)] = volume_mm3[shells.Find(b)] = 0;

@@ -25,6 +25,7 @@ void AddEffectEvents(const simulation::Scene& scene, const StepLog& log, std::si
       if (!(step.effect[at] > before)) continue;
       events.push_back({.time_ns = step.time_ns,
                         .name = name,
+                        .effect = effect.key,
                         .tissue = TissueName(scene, step.tissue_at_tip),
                         .depth_mm = step.force.depth_mm,
                         .force_axial_n = step.force.AxialN(),

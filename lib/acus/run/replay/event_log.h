@@ -14,11 +14,12 @@ struct LoggedEvent {
   std::int64_t time_ns = 0;
   /// kNone: an event of an effect, which has a name only.
   forces::NeedleEvent event = forces::NeedleEvent::kNone;
-  std::string name;             ///< "puncture", "loss_of_resistance".
-  std::string tissue;           ///< At the tip.
-  double depth_mm = 0.0;        ///< Along the path; in deformed tissue at a withdrawal, before it.
-  double force_axial_n = 0.0;   ///< Then: after a puncture, when the force has fallen.
-  double force_before_n = 0.0;  ///< Just before: at a puncture, what it took.
+  std::string name;              ///< "puncture", "loss_of_resistance".
+  std::string_view effect = {};  ///< Key of the effect whose event it is; empty: of the needle.
+  std::string tissue;            ///< At the tip.
+  double depth_mm = 0.0;         ///< Along the path; in deformed tissue at a withdrawal, before it.
+  double force_axial_n = 0.0;    ///< Then: after a puncture, when the force has fallen.
+  double force_before_n = 0.0;   ///< Just before: at a puncture, what it took.
   Eigen::Vector3d tip_ct_mm = Eigen::Vector3d::Zero();  ///< CT space, at the end of that step.
 };
 

@@ -21,8 +21,11 @@ std::string FourDigits(double value) {
 }
 
 /// Seconds since the first step.
+double SecondsOf(const StepLog& log, std::int64_t time_ns) {
+  return 1e-9 * static_cast<double>(time_ns - log.steps.front().time_ns);
+}
 double SecondsOf(const StepLog& log, const StepOutput& step) {
-  return 1e-9 * static_cast<double>(step.time_ns - log.steps.front().time_ns);
+  return SecondsOf(log, step.time_ns);
 }
 
 report::Series SeriesOf(const StepLog& log, std::string name, double (*value)(const StepOutput&)) {
@@ -141,13 +144,13 @@ report::Plot ShapePlot(const StepLog& log) {
   return plot;
 }
 
-void AddEvents(report::HtmlReport& html, const StepLog& log, const simulation::Scene& scene) {
+void AddEvents(report::HtmlReport& html, const StepLog& log,
+               const std::vector<LoggedEvent>& events) {
   std::vector<std::vector<std::string>> rows;
-  for (const LoggedEvent& event : EventsOf(scene, log)) {
-    rows.push_back(
-        {FourDigits(1e-9 * static_cast<double>(event.time_ns - log.steps.front().time_ns)),
-         EventWords(event.name), event.tissue, FourDigits(event.depth_mm),
-         FourDigits(event.force_before_n), FourDigits(event.force_axial_n)});
+  for (const LoggedEvent& event : events) {
+    rows.push_back({FourDigits(SecondsOf(log, event.time_ns)), EventWords(event.name), event.tissue,
+                    FourDigits(event.depth_mm), FourDigits(event.force_before_n),
+                    FourDigits(event.force_axial_n)});
   }
   html.Section("Events");
   html.Table(
@@ -216,20 +219,6 @@ void AddPlan(report::HtmlReport& html, const simulation::EffectPlan& plan,
   html.Table(flow.header, flow.rows, "What they read and write. They touch nothing else.");
 }
 
-/// Marks the moments at which the effect's counts of events rise.
-void MarkEvents(report::Plot& plot, const StepLog& log, const simulation::ListedEffect& effect) {
-  for (std::size_t n = 0; n < effect.columns.size(); ++n) {
-    const std::string& event = effect.columns[n].event;
-    if (event.empty()) continue;
-    double before = 0.0;
-    for (const StepOutput& step : log.steps) {
-      const double now = step.effect[effect.first_column + n];
-      if (now > before) plot.marks.push_back({SecondsOf(log, step), EventWords(event)});
-      before = now;
-    }
-  }
-}
-
 /// A column over the depth of the needle, with the tissues on its way.
 report::Plot OverDepth(const StepLog& log, const simulation::ListedEffect& effect, std::size_t n,
                        const simulation::Scene& scene) {
@@ -258,8 +247,8 @@ report::Plot OverDepth(const StepLog& log, const simulation::ListedEffect& effec
 }
 
 /// What effects of the list found, and what they wrote down over time.
-void AddListedEffects(report::HtmlReport& html, const StepLog& log,
-                      const simulation::Scene& scene) {
+void AddListedEffects(report::HtmlReport& html, const StepLog& log, const simulation::Scene& scene,
+                      const std::vector<LoggedEvent>& events) {
   EffectMeters meters(scene);
   for (const StepOutput& step : log.steps) meters.Add(step);
   for (const simulation::ListedEffect& other : scene.listed.all()) {
@@ -279,7 +268,10 @@ void AddListedEffects(report::HtmlReport& html, const StepLog& log,
           column.unit.empty() ? column.name : Message(column.name, " [", column.unit, "]");
       plot.height_px = 180;
       plot.series = {std::move(series)};
-      if (plots.empty()) MarkEvents(plot, log, other);
+      for (const LoggedEvent& event : events) {
+        if (!plots.empty() || event.effect != other.key) continue;
+        plot.marks.push_back({SecondsOf(log, event.time_ns), EventWords(event.name)});
+      }
       plots.push_back(std::move(plot));
       if (column.over_depth && scene.plan.Writes(effects::ports::kForce)) {
         plots.push_back(OverDepth(log, other, n, scene));
@@ -298,6 +290,7 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
   report::HtmlReport html(content.title, "Replay of a recorded session");
   html.Warnings(content.warnings);
   if (content.assessment) AddExercise(html, *content.assessment);
+  const std::vector<LoggedEvent> events = EventsOf(scene, log);
   html.Section("Summary");
   html.KeyValues(content.facts);
   if (!content.films.empty() || !content.images.empty()) html.Section("Images");
@@ -320,7 +313,7 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
       html.Plots(std::vector{DeflectionPlot(log)});
       if (!log.most_bent.empty()) html.Plots(std::vector{ShapePlot(log)});
     }
-    AddEvents(html, log, scene);
+    AddEvents(html, log, events);
   }
   if (scene.plan.Writes(effects::ports::kProbeForce) && !log.steps.empty()) {
     html.Section("Probe");
@@ -330,7 +323,7 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
     report::WriteSvg(folder / "probe_forces.svg", plots);
     html.Plots(plots);
   }
-  AddListedEffects(html, log, scene);
+  AddListedEffects(html, log, scene, events);
   html.Section("Metrics");
   std::vector<std::vector<std::string>> rows;
   for (const Metric& metric : content.metrics) {

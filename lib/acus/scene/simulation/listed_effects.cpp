@@ -87,7 +87,7 @@ ListedEffects::ListedEffects(const scenario::Scenario& scenario, const EffectPla
       effect.step = effect.loaded->step();
       ACUS_ASSERT(effect.step != nullptr);
       effect.moves_tissue = step->Writes(ports::kTissueMotion);
-      effect.swells = step->Writes(ports::kSwelling);
+      effect.shows_motion = effect.moves_tissue || step->Writes(ports::kSwelling);
       effect.adds_force = step->Writes(ports::kAddedForce);
       effect.changes_echo = step->Writes(ports::kEcho);
       effect.columns = called.effect->Columns();
@@ -98,7 +98,7 @@ ListedEffects::ListedEffects(const scenario::Scenario& scenario, const EffectPla
       bytes = effect.state_at + effect.step->state_bytes();
       has_steps_ = true;
       moves_tissue_ = moves_tissue_ || effect.moves_tissue;
-      shows_motion_ = shows_motion_ || effect.moves_tissue || effect.swells;
+      shows_motion_ = shows_motion_ || effect.shows_motion;
       adds_force_ = adds_force_ || effect.adds_force;
       changes_echo_ = changes_echo_ || effect.changes_echo;
     }
@@ -157,7 +157,7 @@ Eigen::Vector3d ListedEffects::SeenRestInCtMm(
     const effects::Memory& memory, const Eigen::Vector3d& place_in_ct_mm) const noexcept {
   Eigen::Vector3d rest_mm = place_in_ct_mm;
   for (const ListedEffect& effect : all_) {
-    if (effect.moves_tissue || effect.swells) {
+    if (effect.shows_motion) {
       rest_mm = effect.step->RestIn(effect.StateIn(memory), rest_mm);
     }
   }
@@ -169,7 +169,7 @@ bool ListedEffects::IsSameMotion(const effects::Memory* a,
   if (!shows_motion_) return true;
   if (a == nullptr || b == nullptr) return a == b;
   return std::ranges::all_of(all_, [a, b](const ListedEffect& effect) {
-    return !(effect.moves_tissue || effect.swells) ||
+    return !effect.shows_motion ||
            effect.step->IsSameMotionIn(effect.StateIn(*a), effect.StateIn(*b));
   });
 }
@@ -217,7 +217,7 @@ bool ListedEffects::IsSameEcho(const effects::Memory* a, const effects::Memory* 
 double ListedEffects::MotionSpacingMm() const noexcept {
   double spacing_mm = 1e3;
   for (const ListedEffect& effect : all_) {
-    if (effect.moves_tissue || effect.swells) {
+    if (effect.shows_motion) {
       spacing_mm = std::min(spacing_mm, effect.step->MotionSpacingMm());
     }
   }

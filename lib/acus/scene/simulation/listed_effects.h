@@ -28,7 +28,7 @@ struct ListedEffect {
   bool has_image = false;                    ///< The plan has its stage at every image.
   effects::ImageTiming timing;
   bool moves_tissue = false;
-  bool swells = false;
+  bool shows_motion = false;  ///< Images show a motion of tissue by it; tools may not feel it.
   bool adds_force = false;
   bool changes_echo = false;
   std::size_t state_at = 0;  ///< Bytes into the memory.

@@ -34,7 +34,7 @@ Eigen::Vector3d LeastChange(const Eigen::Matrix3d& tensor) {
   return solver.eigenvectors().col(0);
 }
 
-/// Sums over 2 kReachVoxels + 1 neighbours along one axis.
+/// Sums over 2 kReachVoxels + 1 adjacent voxels along one axis.
 void SumAlong(const Eigen::Array3i& size, int axis, std::vector<Eigen::Matrix3d>& values) {
   const std::array<int, 3> stride = {1, size[0], size[0] * size[1]};
   const int step = stride[static_cast<std::size_t>(axis)];

@@ -98,7 +98,7 @@ int LungTop(const volume::Grid<Label>& labels, const Kinds& kinds) {
   return g.size[2];
 }
 
-constexpr double kLeastLungDepthMm = 60.0;  // Of a volume that shows hardly any lung.
+constexpr double kLeastLungDepthMm = 60.0;  // Depth of a volume that shows hardly any lung.
 
 /// y between which 98 % of the lung lies, the front first.
 std::pair<double, double> LungDepth(const volume::Grid<Label>& labels, const Kinds& kinds) {
@@ -135,7 +135,7 @@ void FillColumns(Mask& inside, const Mask& bone) {
 }
 
 constexpr double kDiaphragmSmoothMm = 15.0;
-constexpr double kFarWeight = 1e-6;  // Of what holds far from every known column.
+constexpr double kFarWeight = 1e-6;  // Weight of the value far from every known column.
 
 /// A Gaussian along one axis of a grid, without its constant factor.
 std::vector<double> SmoothedAlong(int axis, const std::vector<double>& in,

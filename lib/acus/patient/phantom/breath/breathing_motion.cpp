@@ -28,13 +28,13 @@ double RampIntegral(double t) {
 }
 
 constexpr double kWallLayerMm = 12.0;   // In which tissue is turned along the wall.
-constexpr double kLargestStepMm = 3.0;  // Of the integration.
+constexpr double kLargestStepMm = 3.0;  // Largest step of the integration.
 
 // Lung above the domes, after matched points of two patients (DIR-Lab cases 2 and 4).
 constexpr double kBandMm = 5.0;          // Above and below the way of the domes, that moves as one.
 constexpr double kSoftStartMm = 20.0;    // Above the diaphragm, in which the fall begins.
-constexpr double kFallPower = 1.25;      // Of the height to the top, as a share.
-constexpr double kFrontPower = 1.6;      // Of the place from back to front.
+constexpr double kFallPower = 1.25;      // Exponent of the share of the height to the top.
+constexpr double kFrontPower = 1.6;      // Exponent of the place from back to front.
 constexpr double kFrontLess = 0.45;      // Front of diaphragm and organs, less than their back.
 constexpr double kFrontLessLung = 0.85;  // The same of lung...
 constexpr double kFrontBlend = 0.3;      // ...from this share of its height on.
@@ -46,7 +46,7 @@ constexpr double kStillInAp = 0.75;      // The place from back to front where i
 // Abdomen: what the diaphragm displaces makes the wall bulge.
 constexpr double kFallBelowMm = 330.0;  // From the domes to where nothing moves along the body.
 constexpr double kFallEnds = 0.15;      // Share of this at either end in which the fall is soft.
-constexpr double kForwardShare = 0.6;   // Of the bulge; the rest is to the sides.
+constexpr double kForwardShare = 0.6;   // Forward share of the bulge; the rest is to the sides.
 constexpr double kSpineClearMm = 20.0;  // From the midline, where the sides begin to move.
 constexpr double kSideSoftMm = 20.0;
 constexpr double kFrontSoftMm = 60.0;  // From the front of the spine.

@@ -10,8 +10,7 @@
 namespace acus::effects {
 namespace {
 
-/// 15 psi: limit above which an injection near a nerve is stopped.
-constexpr double kLimitKpa = 103.4;
+constexpr double kLimitKpa = fluid::FluidEventLimits{}.high_kpa;
 
 double At(std::span<const double> columns, FluidColumn column) {
   return columns[static_cast<std::size_t>(column)];
