@@ -5,14 +5,19 @@
 namespace acus::graphics {
 
 void JobThread::Run(const std::function<void()>& job) {
+  Start(job);
+  std::exchange(started_, {}).get();
+}
+
+void JobThread::Start(const std::function<void()>& job) {
+  if (started_.valid()) std::exchange(started_, {}).get();
   std::packaged_task<void()> task(job);
-  std::future<void> done = task.get_future();
+  started_ = task.get_future();
   {
     const std::lock_guard lock(mutex_);
     waiting_ = std::move(task);
   }
   changed_.notify_one();
-  done.get();
 }
 
 void JobThread::Work(const std::stop_token& stop) {

@@ -1,90 +1,22 @@
 #include "acus/imaging/graphics/ray_shader.h"
 
+#include "acus/imaging/graphics/shader_pieces.h"
+
 namespace acus::graphics {
 namespace {
 
-constexpr const char* kInputs = R"glsl(#version 450 core
+constexpr const char* kInputs = R"glsl(
 layout(local_size_x = 8, local_size_y = 8) in;
 
-// The camera; directions of rays are (pixel - centre) / focal, 1.
-uniform ivec3 image_size;
-uniform vec2 focal_px;
-uniform vec2 centre_px;
-uniform mat3 ct_from_camera;
-uniform vec3 eye_mm;
-
-// The CT, its slopes, and what of it can show.
-uniform sampler3D hu;
-uniform sampler3D slopes;
-uniform usampler3D classes;
-uniform usampler3D distances;
-uniform ivec3 ct_size;
-uniform mat3 index_linear;
-uniform vec3 index_offset;
-uniform mat3 ct_from_grid;
-uniform ivec3 blocks_size;
-uniform mat3 blocks_linear;
-uniform vec3 blocks_offset;
-uniform float steepest_hu_per_mm;
-uniform float lowest_hu;
-uniform int table_count;
-uniform int has_volume;
-uniform int has_classes;
+layout(binding = 0) uniform sampler3D hu;
+layout(binding = 1) uniform sampler3D slopes;
+layout(binding = 2) uniform usampler3D classes;
+layout(binding = 3) uniform usampler3D distances;
 layout(std430, binding = 0) readonly buffer Integral { vec4 integral[]; };
 layout(std430, binding = 1) readonly buffer Value { vec4 value[]; };
-
-// Breath: a sum of fields. Their scale is what a stored 1 is, in mm, times their weight now.
-uniform sampler3D component_0;
-uniform sampler3D component_1;
-uniform sampler3D component_2;
-uniform sampler3D component_3;
-uniform vec4 component_scale;
-uniform int num_components;
-uniform ivec3 nodes_size;
-uniform mat3 nodes_linear;
-uniform vec3 nodes_offset;
-uniform int most_iterations;
-uniform float tolerance_mm;
-
-// Tissue under tools.
-uniform sampler3D pressed;
-uniform int is_pressed;
-uniform ivec3 pressed_size;
-uniform vec3 pressed_low_mm;
-uniform vec3 pressed_high_mm;
-uniform float pressed_spacing_mm;
-
-// Light, and shadows of tools.
-uniform vec3 to_lamp;
-uniform vec4 light;  // Ambient, diffuse, fill, gloss.
-uniform float surface_hu_per_mm;
-uniform sampler3D shadow_heights;
-uniform int has_shadows;
-uniform int shadow_size;
-uniform mat3 lamp_from_ct;
-uniform vec2 shadow_low_mm;
-uniform float shadow_cell_mm;
-uniform float shadow_clear_mm;
-
-uniform float step_mm;
-uniform float tool_shine;
-uniform float dark;
-uniform int num_cuts;
-uniform int is_maximum;  // Rays show their largest HU in this window.
-uniform vec2 window_hu;
-layout(std430, binding = 2) readonly buffer Cuts { vec4 cuts[]; };
-
-// Surfaces: those of pixel n are from first[n] to first[n + 1], by rising distance.
-struct Fragment {
-  float distance_mm;
-  float opacity;
-  float red;
-  float green;
-  float blue;
-  float is_tool;
-};
-layout(std430, binding = 3) readonly buffer First { uint first[]; };
-layout(std430, binding = 4) readonly buffer Fragments { Fragment fragments[]; };
+// The nearest opaque surface: its colour, 1 if it is a tool; its distance.
+layout(binding = 10) uniform sampler2D opaque_colour;
+layout(binding = 11) uniform sampler2D opaque_mm;
 
 layout(std430, binding = 5) writeonly buffer Pixels { uint pixels[]; };
 
@@ -93,76 +25,120 @@ const float kFar = 3.0e38;
 const int kEntryIterations = 20;
 )glsl";
 
+// What a ray has met. Passed from function to function, without variables that several of them
+// change: an optimiser of a driver has reordered those.
 constexpr const char* kSurfaces = R"glsl(
-float passing = 1.0;  // Light that gets through so far.
-uint next_fragment;
-uint end_fragment;
-vec3 surface_colour = vec3(0.0);
-float shine_weight = 0.0;
-vec3 shine_colour = vec3(0.0);
+struct Ray {
+  vec3 colour;  // Weighted by opacity.
+  float passing;  // Light that gets through so far.
+  vec3 shine_colour;
+  float shine_weight;
+  ivec2 pixel;
+  uint first;  // Of its list: 1 + index; 0: it is empty.
+  float opaque_mm;
+  // The next surface: kFar if there is none; 1 + its index, or kOpaque.
+  float next_mm;
+  uint next;
+};
 
-float AbsorbShare(float opacity) {
-  float weight = passing * opacity;
-  passing *= 1.0 - opacity;
+const uint kOpaque = 0xffffffffu;
+
+// Looks for the surface behind one. Those at the same distance are passed by their index.
+void FindNext(inout Ray ray, float after_mm, uint after) {
+  float best_mm = ray.opaque_mm;
+  uint best = kOpaque;
+  for (uint at = ray.first; at != 0u;) {
+    uvec4 node = nodes[at - 1u];
+    float at_mm = uintBitsToFloat(node.x);
+    bool is_behind = at_mm > after_mm || (at_mm == after_mm && at > after);
+    bool is_before = at_mm < best_mm || (at_mm == best_mm && at < best);
+    if (is_behind && is_before) {
+      best_mm = at_mm;
+      best = at;
+    }
+    at = node.w & 0x7fffffffu;
+  }
+  ray.next_mm = best_mm;
+  ray.next = best;
+}
+
+Ray RayOf(ivec2 pixel) {
+  Ray ray;
+  ray.colour = vec3(0.0);
+  ray.passing = 1.0;
+  ray.shine_colour = vec3(0.0);
+  ray.shine_weight = 0.0;
+  ray.pixel = pixel;
+  ray.first = heads[pixel.y * image_size.x * supersampling + pixel.x];
+  ray.opaque_mm = texelFetch(opaque_mm, pixel, 0).x;
+  FindNext(ray, -1.0, 0u);
+  return ray;
+}
+
+// Hides what is behind by a share. Returns the weight of what hides it.
+float Hide(inout Ray ray, float opacity) {
+  float weight = ray.passing * opacity;
+  ray.passing -= weight;
   return weight;
 }
 
-void Take(Fragment met) {
-  vec3 colour = vec3(met.red, met.green, met.blue);
-  float weight = AbsorbShare(met.opacity);
-  float shine = tool_shine * met.opacity;
-  if (met.is_tool > 0.0 && weight < shine && shine_weight == 0.0) {
-    shine_weight = shine - weight;
-    shine_colour = colour;
+// The next surface.
+void Take(inout Ray ray) {
+  vec3 colour;
+  float opacity = 1.0;
+  bool is_tool;
+  if (ray.next == kOpaque) {
+    vec4 opaque = texelFetch(opaque_colour, ray.pixel, 0);
+    colour = opaque.rgb;
+    is_tool = opaque.a > 0.0;
+  } else {
+    uvec4 node = nodes[ray.next - 1u];
+    vec2 blue_opacity = unpackHalf2x16(node.z);
+    colour = vec3(unpackHalf2x16(node.y), blue_opacity.x);
+    opacity = blue_opacity.y;
+    is_tool = (node.w >> 31) != 0u;
   }
-  surface_colour += weight * colour;
+  float shine = tool_shine * opacity;
+  float weight = Hide(ray, opacity);
+  if (is_tool && weight < shine && ray.shine_weight == 0.0) {
+    ray.shine_weight = shine - weight;
+    ray.shine_colour = colour;
+  }
+  ray.colour += weight * colour;
+  if (ray.next == kOpaque) {
+    ray.next_mm = kFar;
+  } else {
+    FindNext(ray, ray.next_mm, ray.next);
+  }
 }
 
-void Pass(float to_mm) {
-  for (; next_fragment < end_fragment; ++next_fragment) {
-    if (fragments[next_fragment].distance_mm > to_mm) return;
-    Take(fragments[next_fragment]);
-  }
+void PassSurfaces(inout Ray ray, float to_mm) {
+  while (ray.next_mm < kFar && ray.next_mm <= to_mm) Take(ray);
 }
 
-// A projection of the whole ray: behind all surfaces but an opaque one. Returns its weight.
-float Cover(float opacity) {
-  for (; next_fragment < end_fragment && fragments[next_fragment].opacity < 1.0; ++next_fragment) {
-    Take(fragments[next_fragment]);
-  }
-  return AbsorbShare(opacity);
+// A projection of the whole ray: behind all surfaces but an opaque one.
+void Cover(inout Ray ray, float share) {
+  while (ray.next_mm < kFar && ray.next != kOpaque) Take(ray);
+  float weight = Hide(ray, share);
+  ray.colour += vec3(weight);
 }
 
-float AbsorbPiece(float extinction_per_mm, float length_mm) {
-  return AbsorbShare(1.0 - exp(-extinction_per_mm * length_mm));
-}
-
-// Volume between two distances, and the surfaces within. Returns the weight of its colour.
-float AbsorbAlong(float extinction_per_mm, float from_mm, float to_mm) {
-  Pass(from_mm);
-  float weight = 0.0;
-  while (next_fragment < end_fragment && fragments[next_fragment].distance_mm <= to_mm) {
-    float at_mm = fragments[next_fragment].distance_mm;
-    weight += AbsorbPiece(extinction_per_mm, at_mm - from_mm);
-    from_mm = at_mm;
-    Pass(at_mm);
+// Volume between two distances, and the surfaces within.
+void AbsorbAlong(inout Ray ray, vec3 colour, float extinction_per_mm, float from_mm, float to_mm) {
+  PassSurfaces(ray, from_mm);
+  bool is_left = true;
+  while (is_left) {
+    float end_mm = min(ray.next_mm, to_mm);
+    float weight = Hide(ray, 1.0 - exp(-extinction_per_mm * (end_mm - from_mm)));
+    ray.colour += weight * colour;
+    is_left = ray.next_mm <= to_mm;
+    from_mm = end_mm;
+    PassSurfaces(ray, end_mm);
   }
-  return weight + AbsorbPiece(extinction_per_mm, to_mm - from_mm);
 }
 )glsl";
 
-constexpr const char* kWarp = R"glsl(
-vec3 DisplacementMm(vec3 rest_mm) {
-  vec3 node = clamp(nodes_linear * rest_mm + nodes_offset, vec3(0.0), vec3(nodes_size - 1));
-  vec3 at = (node + 0.5) / vec3(nodes_size);
-  vec3 sum = vec3(0.0);
-  if (num_components > 0) sum += component_scale[0] * textureLod(component_0, at, 0.0).xyz;
-  if (num_components > 1) sum += component_scale[1] * textureLod(component_1, at, 0.0).xyz;
-  if (num_components > 2) sum += component_scale[2] * textureLod(component_2, at, 0.0).xyz;
-  if (num_components > 3) sum += component_scale[3] * textureLod(component_3, at, 0.0).xyz;
-  return sum;
-}
-
+constexpr const char* kRest = R"glsl(
 // Continues with X <- x - u(X). Steps that do not help are halved: it is bounded where the field folds.
 vec3 Refined(vec3 rest_mm, vec3 world_mm, int iterations) {
   vec3 error = rest_mm + DisplacementMm(rest_mm) - world_mm;
@@ -200,28 +176,6 @@ vec3 RestOf(vec3 world_mm, vec3 moved_mm) {
   last_displacement_mm = world_mm - rest_mm;
   has_rest = true;
   return rest_mm;
-}
-
-bool IsInPressed(vec3 world_mm) {
-  return is_pressed != 0 && all(greaterThanEqual(world_mm, pressed_low_mm)) &&
-         all(lessThanEqual(world_mm, pressed_high_mm));
-}
-
-vec3 PressedOffsetMm(vec3 world_mm) {
-  vec3 knot = clamp((world_mm - pressed_low_mm) / pressed_spacing_mm, vec3(0.0),
-                    vec3(pressed_size - 1));
-  return textureLod(pressed, (knot + 0.5) / vec3(pressed_size), 0.0).xyz;
-}
-
-mat3 PressedGradientAt(vec3 world_mm) {
-  mat3 gradient = mat3(1.0);
-  for (int axis = 0; axis < 3; ++axis) {
-    vec3 aside_mm = vec3(0.0);
-    aside_mm[axis] = 0.5 * pressed_spacing_mm;
-    gradient[axis] += (PressedOffsetMm(world_mm + aside_mm) - PressedOffsetMm(world_mm - aside_mm)) /
-                      pressed_spacing_mm;
-  }
-  return gradient;
 }
 
 // Where the tissue at a place of the world is in the CT, in voxels.
@@ -272,37 +226,6 @@ vec4 EmissionAt(vec3 index, float from_hu, float to_hu) {
     sum += weight.x * weight.y * weight.z * Between(from, to, tissue_class);
   }
   return sum;
-}
-
-float LitAt(vec3 place_mm) {
-  if (has_shadows == 0) return 1.0;
-  vec3 at = lamp_from_ct * place_mm;
-  vec2 cell = (at.xy - shadow_low_mm) / shadow_cell_mm;
-  if (!(all(greaterThanEqual(cell, vec2(1.0))) && all(lessThan(cell, vec2(shadow_size - 2))))) {
-    return 1.0;
-  }
-  ivec2 low = ivec2(cell);
-  vec2 share = cell - vec2(low);
-  float shadow = 0.0;
-  for (int j = 0; j < 4; ++j) {
-    for (int i = 0; i < 4; ++i) {
-      float height = texelFetch(shadow_heights, ivec3(low + ivec2(i - 1, j - 1), 0), 0).x;
-      float across = i == 0 ? 1.0 - share.x : i == 3 ? share.x : 1.0;
-      float down = j == 0 ? 1.0 - share.y : j == 3 ? share.y : 1.0;
-      if (height > at.z + shadow_clear_mm) shadow += across * down;
-    }
-  }
-  return 1.0 - shadow / 9.0;
-}
-
-vec3 Shaded(vec3 colour, vec3 normal, vec3 to_eye, float lit) {
-  float toward_eye = dot(normal, to_eye);
-  float side = toward_eye < 0.0 ? -1.0 : 1.0;
-  float toward_lamp = max(0.0, side * dot(normal, to_lamp));
-  float shine = max(0.0, side * dot(normal, normalize(to_lamp + to_eye)));
-  for (int n = 0; n < 5; ++n) shine *= shine;
-  float matt = light[0] + light[2] * side * toward_eye + lit * light[1] * toward_lamp;
-  return colour * matt + lit * light[3] * shine;
 }
 
 vec3 ColourAt(vec3 colour, vec3 index, vec3 place_mm, vec3 direction) {
@@ -358,19 +281,20 @@ int StepsToVisible(vec3 in_blocks, ivec3 block, int distance, vec3 blocks_step) 
   return max(1, int(exit_mm / step_mm));
 }
 
-vec3 CastVolume(vec3 direction, float end_mm) {
-  vec3 colour = vec3(0.0);
+void CastVolume(inout Ray ray, vec3 direction) {
   vec3 blocks_eye = blocks_linear * eye_mm + blocks_offset;
   vec3 blocks_step = blocks_linear * direction;
-  vec2 part = PartOf(direction, blocks_eye, blocks_step, end_mm);
-  if (!(part.x < part.y)) return colour;
+  vec2 part = PartOf(direction, blocks_eye, blocks_step, ray.opaque_mm);
+  if (!(part.x < part.y)) return;
+  has_rest = false;
+  last_displacement_mm = vec3(0.0);
   bool has_before = false;
   float hu_before = kOutsideHu;
   float highest_hu = kOutsideHu;
   // A piece needs a sample beyond either end; a maximum takes none that is hidden or cut away.
   int first_sample = int(is_maximum != 0 ? ceil(part.x / step_mm) : part.x / step_mm);
   int last = int(is_maximum != 0 ? part.y / step_mm : ceil(part.y / step_mm));
-  for (int n = first_sample; n <= last && passing > dark;) {
+  for (int n = first_sample; n <= last && ray.passing > dark;) {
     float at_mm = float(n) * step_mm;
     vec3 in_blocks = blocks_eye + at_mm * blocks_step;
     ivec3 block = ivec3(in_blocks);
@@ -390,46 +314,78 @@ vec3 CastVolume(vec3 direction, float end_mm) {
       vec4 emission = EmissionAt(index, hu_before, hu_now);
       if (emission.w > 0.0) {
         vec3 lit = ColourAt(emission.rgb / emission.w, index, place_mm, direction);
-        colour += AbsorbAlong(emission.w, at_mm - step_mm, at_mm) * lit;
+        AbsorbAlong(ray, lit, emission.w, at_mm - step_mm, at_mm);
       }
     }
     has_before = true;
     hu_before = hu_now;
     ++n;
   }
-  if (is_maximum == 0) return colour;
+  if (is_maximum == 0) return;
   float share = (highest_hu - window_hu[0]) / (window_hu[1] - window_hu[0]);
-  return vec3(Cover(clamp(share, 0.0, 1.0)));
+  Cover(ray, clamp(share, 0.0, 1.0));
+}
+
+// Colour weighted by opacity, and that.
+vec4 Cast(ivec2 pixel) {
+  vec3 direction = ct_from_camera * normalize(vec3((vec2(pixel) - centre_px) / focal_px, 1.0));
+  Ray ray = RayOf(pixel);
+  if (has_volume != 0) CastVolume(ray, direction);
+  PassSurfaces(ray, kFar);
+  vec4 seen = vec4(mix(ray.colour, ray.shine_colour, ray.shine_weight),
+                   mix(1.0 - ray.passing, 1.0, ray.shine_weight));
+  return vec4(min(seen.rgb, vec3(1.0)), seen.a);
 }
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (pixel.x >= image_size.x || pixel.y >= image_size.y) return;
-  int at = pixel.y * image_size.x + pixel.x;
-  next_fragment = first[at];
-  end_fragment = first[at + 1];
-  float end_mm = kFar;
-  if (end_fragment > next_fragment && fragments[end_fragment - 1].opacity >= 1.0) {
-    end_mm = fragments[end_fragment - 1].distance_mm;
+  if (any(greaterThanEqual(pixel, image_size))) return;
+  vec4 sum = vec4(0.0);
+  for (int j = 0; j < supersampling; ++j) {
+    for (int i = 0; i < supersampling; ++i) sum += Cast(supersampling * pixel + ivec2(i, j));
   }
-  vec3 direction =
-      ct_from_camera * normalize(vec3((vec2(pixel) - centre_px) / focal_px, 1.0));
-  vec3 colour = has_volume != 0 ? CastVolume(direction, end_mm) : vec3(0.0);
-  Pass(kFar);
-  float opacity = 1.0 - passing;
-  colour += surface_colour;
-  colour = mix(colour, shine_colour, shine_weight);
-  opacity = mix(opacity, 1.0, shine_weight);
-  pixels[at] = packUnorm4x8(vec4(min(colour, vec3(1.0)), opacity));
+  sum /= float(supersampling * supersampling);
+  vec3 background =
+      mix(background_top, background_bottom, float(pixel.y) / float(image_size.y));
+  vec3 colour = sum.rgb + (1.0 - sum.a) * background;
+  pixels[pixel.y * image_size.x + pixel.x] = packUnorm4x8(vec4(colour, sum.a));
+}
+)glsl";
+
+constexpr const char* kSplit = R"glsl(#version 450 core
+layout(local_size_x = 64) in;
+layout(std430, binding = 5) readonly buffer Pixels { uint pixels[]; };
+layout(std430, binding = 6) writeonly buffer Colours { uint colours[]; };
+layout(std430, binding = 7) writeonly buffer Coverage { uint coverage[]; };
+uniform int num_pixels;
+
+void main() {
+  uint n = gl_GlobalInvocationID.x;
+  if (4u * n >= uint(num_pixels)) return;
+  uint a = pixels[4u * n];
+  uint b = pixels[4u * n + 1u];
+  uint c = pixels[4u * n + 2u];
+  uint d = pixels[4u * n + 3u];
+  colours[3u * n] = (a & 0xffffffu) | (b << 24);
+  colours[3u * n + 1u] = ((b >> 8) & 0xffffu) | (c << 16);
+  colours[3u * n + 2u] = ((c >> 16) & 0xffu) | (d << 8);
+  coverage[n] = (a >> 24) | ((b >> 24) << 8) | ((c >> 24) << 16) | (d & 0xff000000u);
 }
 )glsl";
 
 }  // namespace
 
 std::string RayShaderSource() {
-  std::string source;
-  for (const char* part : {kInputs, kSurfaces, kWarp, kVolume, kMarch}) source += part;
+  std::string source = "#version 450 core\n";
+  for (const char* part : {glsl::kMoment, glsl::kLists, glsl::kCuts, kInputs, kSurfaces,
+                           glsl::kBreath, glsl::kPressed, kRest, glsl::kLight, kVolume, kMarch}) {
+    source += part;
+  }
   return source;
+}
+
+std::string SplitShaderSource() {
+  return kSplit;
 }
 
 }  // namespace acus::graphics

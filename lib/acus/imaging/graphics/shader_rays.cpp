@@ -2,29 +2,28 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <optional>
 #include <utility>
+#include <vector>
 
+#include "acus/imaging/graphics/blocks_on_card.h"
 #include "acus/imaging/graphics/gl_objects.h"
 #include "acus/imaging/graphics/job_thread.h"
+#include "acus/imaging/graphics/moment_block.h"
 #include "acus/imaging/graphics/ray_shader.h"
+#include "acus/imaging/graphics/surfaces_on_card.h"
 
 namespace acus::graphics {
 namespace {
 
 using namespace volume_rendering;
 
-/// As the shader has its buffers.
-enum Binding : unsigned { kIntegral, kValue, kCuts, kFirst, kFragments, kPixels };
-/// Units of its textures.
-enum Unit : unsigned { kHu, kSlopes, kClasses, kDistances, kPressed, kShadows, kFirstComponent };
-constexpr int kGroup = 8;  // Pixels each way of a group of the shader.
+constexpr int kGroup = 8;        // Pixels each way of a group of the shader of rays.
+constexpr int kSplitGroup = 64;  // Invocations of a group that splits pixels, four each.
+constexpr double kNearMm = 1.0;  // As of TriangleBands.
 /// Fields of breath that stay on the card: those of an instant, and of some key frames.
-constexpr std::size_t kMostFields = 8;
-
-struct ShaderFragment {
-  float distance_mm, opacity, red, green, blue, is_tool;
-};
+constexpr int kMostFields = 8;
 
 /// One component of a motion field on the card.
 struct StoredField {
@@ -33,44 +32,53 @@ struct StoredField {
   Texture texture;
 };
 
+/// Columns and rows, and the distance before the eye, of places in CT space. Whole numbers are the
+/// middles of pixels; the first row is the lowest one of the drawing. Depth is kNearMm over z.
+Eigen::Matrix4f ClipFromCt(const Camera& camera) {
+  const double width_px = camera.width_px;
+  const double height_px = camera.height_px;
+  Eigen::Matrix4d clip_from_camera = Eigen::Matrix4d::Zero();
+  clip_from_camera(0, 0) = 2.0 * camera.focal_px[0] / width_px;
+  clip_from_camera(0, 2) = 2.0 * (camera.centre_px[0] + 0.5) / width_px - 1.0;
+  clip_from_camera(1, 1) = 2.0 * camera.focal_px[1] / height_px;
+  clip_from_camera(1, 2) = 2.0 * (camera.centre_px[1] + 0.5) / height_px - 1.0;
+  clip_from_camera(2, 3) = kNearMm;
+  clip_from_camera(3, 2) = 1.0;
+  return (clip_from_camera * camera.camera_from_ct.matrix()).cast<float>();
+}
+
 /// All of it belongs to one context, and to the thread in which that is current.
 class Renderer {
  public:
-  explicit Renderer(DriverKind kind);
+  explicit Renderer(DriverKind kind) : context_(kind) { context_.Check("its shaders"); }
   const std::string& name() const { return context_.renderer(); }
-  void Cast(const VolumeScene& scene, const RaySettings& settings, const Camera& camera,
-            const FragmentLists& surfaces, std::vector<std::uint8_t>& rgba);
+  void Load(const VolumeScene& scene, const breathing::MotionField* field);
+  void Render(const VolumeScene& scene, const DeviceImage& image, std::span<std::uint8_t> rgb,
+              std::span<std::uint8_t> coverage);
 
  private:
-  void LoadPatient(const VolumeScene& scene);
-  void SetCamera(const Camera& camera);
-  void SetBlocks(const VisibleBlocks& blocks);
+  void SetImage(const DeviceImage& image);
+  void SetBlocks(const VolumeScene& scene);
   void SetBreath(const breathing::MotionMap* motion, const WarpSettings& warp);
   const Texture& FieldOnCard(const breathing::MotionField& field, int component);
   void SetPressed(const PressedTissue* pressed);
-  void SetLight(const Light& light, const ShadowMap* shadows);
+  void SetLight(const Light& light, const ShadowFrame* shadows);
   void SetCuts(std::span<const CutPlane> cuts);
-  void SetSurfaces(const FragmentLists& surfaces);
+  void CastRays(std::size_t num_pixels);
 
   GlContext context_;
-  ComputeProgram program_{RayShaderSource()};
-  bool has_patient_ = false;
-  Texture hu_, slopes_, classes_, distances_, pressed_, shadows_;
+  SurfacesOnCard surfaces_;
+  Program rays_{{ShaderStage::kCompute, RayShaderSource()}};
+  Program split_{{ShaderStage::kCompute, SplitShaderSource()}};
+  MomentBlock moment_;
+  Buffer moment_on_card_;
+  Texture hu_, slopes_, classes_, pressed_;
+  BlocksOnCard blocks_;
   std::vector<StoredField> fields_;  ///< The one used last at the end.
-  Buffer integral_, value_, cuts_, first_, fragments_, pixels_;
+  Buffer integral_, value_, cuts_, pixels_, colours_, coverage_;
 };
 
-Renderer::Renderer(DriverKind kind) : context_(kind) {
-  constexpr std::array kNames{"hu",          "slopes",         "classes",     "distances",
-                              "pressed",     "shadow_heights", "component_0", "component_1",
-                              "component_2", "component_3"};
-  for (std::size_t unit = 0; unit < kNames.size(); ++unit) {
-    program_.Set(kNames[unit], static_cast<int>(unit));
-  }
-  context_.Check("its shader");
-}
-
-void Renderer::LoadPatient(const VolumeScene& scene) {
+void Renderer::Load(const VolumeScene& scene, const breathing::MotionField* field) {
   const volume::Geometry& grid = scene.ct->geometry;
   const Eigen::Affine3f index_from_ct = grid.index_from_ct().cast<float>();
   hu_.Set(TexelFormat::kShort, grid.size, scene.ct->voxels.data());
@@ -84,36 +92,50 @@ void Renderer::LoadPatient(const VolumeScene& scene) {
                             static_cast<std::size_t>(table.count * scene.transfer->num_classes());
   integral_.Set(table.integral, bytes);
   value_.Set(table.value, bytes);
-  program_.Set("ct_size", grid.size);
-  program_.Set("index_linear", Eigen::Matrix3f(index_from_ct.linear()));
-  program_.Set("index_offset", Eigen::Vector3f(index_from_ct.translation()));
-  program_.Set("ct_from_grid", Eigen::Matrix3f(grid.direction.cast<float>()));
-  program_.Set("steepest_hu_per_mm", SlopeVolume::kSteepest);
-  program_.Set("surface_hu_per_mm", kSurfaceHuPerMm);
-  program_.Set("lowest_hu", table.lowest_hu);
-  program_.Set("table_count", table.count);
-  program_.Set("has_classes", has_classes ? 1 : 0);
-  program_.Set("dark", kDark);
-  context_.Check("the CT");
-  has_patient_ = true;
+  moment_.ct_size = grid.size.matrix();
+  moment_.index_linear = Padded(index_from_ct.linear());
+  moment_.index_offset = index_from_ct.translation();
+  moment_.ct_from_grid = Padded(grid.direction.cast<float>());
+  moment_.steepest_hu_per_mm = SlopeVolume::kSteepest;
+  moment_.surface_hu_per_mm = kSurfaceHuPerMm;
+  moment_.lowest_hu = table.lowest_hu;
+  moment_.table_count = table.count;
+  moment_.has_classes = has_classes ? 1 : 0;
+  moment_.dark = kDark;
+  if (!scene.blocks->nothing_visible()) blocks_.Load(*scene.blocks);
+  for (int n = 0; field != nullptr && n < std::min(field->num_components(), kMostFields); ++n) {
+    FieldOnCard(*field, n);
+  }
+  context_.Check("the patient");
 }
 
-void Renderer::SetCamera(const Camera& camera) {
-  program_.Set("image_size", Eigen::Array3i(camera.width_px, camera.height_px, 1));
-  program_.Set("focal_px", Eigen::Vector2f(camera.focal_px.cast<float>()));
-  program_.Set("centre_px", Eigen::Vector2f(camera.centre_px.cast<float>()));
-  program_.Set("ct_from_camera",
-               Eigen::Matrix3f(camera.camera_from_ct.linear().transpose().cast<float>()));
-  program_.Set("eye_mm", Eigen::Vector3f(camera.EyeInCtMm().cast<float>()));
+void Renderer::SetImage(const DeviceImage& image) {
+  const Camera& camera = image.camera;
+  moment_.ct_from_camera = Padded(camera.camera_from_ct.linear().transpose().cast<float>());
+  moment_.eye_mm = camera.EyeInCtMm().cast<float>();
+  moment_.clip_from_ct = ClipFromCt(camera);
+  moment_.focal_px = camera.focal_px.cast<float>();
+  moment_.centre_px = camera.centre_px.cast<float>();
+  moment_.supersampling = image.supersampling;
+  moment_.image_size = {camera.width_px / image.supersampling,
+                        camera.height_px / image.supersampling};
+  moment_.background_top = image.background_top;
+  moment_.background_bottom = image.background_bottom;
+  moment_.step_mm = static_cast<float>(image.rays.step_mm);
+  moment_.tool_shine = static_cast<float>(image.rays.tool_shine);
+  moment_.is_maximum = image.rays.projection == Projection::kMaximum ? 1 : 0;
+  moment_.window_hu = {static_cast<float>(image.rays.window.low_hu),
+                       static_cast<float>(image.rays.window.high_hu)};
 }
 
-void Renderer::SetBlocks(const VisibleBlocks& blocks) {
-  program_.Set("has_volume", blocks.nothing_visible() ? 0 : 1);
-  if (blocks.nothing_visible()) return;
-  distances_.Set(TexelFormat::kIndex, blocks.size(), blocks.distances());
-  program_.Set("blocks_size", blocks.size());
-  program_.Set("blocks_linear", Eigen::Matrix3f(blocks.blocks_from_ct().linear()));
-  program_.Set("blocks_offset", Eigen::Vector3f(blocks.blocks_from_ct().translation()));
+void Renderer::SetBlocks(const VolumeScene& scene) {
+  moment_.has_volume = scene.blocks->nothing_visible() ? 0 : 1;
+  if (scene.blocks->nothing_visible()) return;
+  const BlockFrame frame = scene.blocks->FrameFor(scene.motion, moment_.step_mm);
+  blocks_.Update(*scene.blocks, frame, scene.motion, scene.pressed);
+  moment_.blocks_size = frame.size.matrix();
+  moment_.blocks_linear = Padded(frame.blocks_from_ct.linear());
+  moment_.blocks_offset = frame.blocks_from_ct.translation();
 }
 
 const Texture& Renderer::FieldOnCard(const breathing::MotionField& field, int component) {
@@ -125,15 +147,18 @@ const Texture& Renderer::FieldOnCard(const breathing::MotionField& field, int co
     return fields_.back().texture;
   }
   const Eigen::Array3i& size = field.nodes().size;
-  std::vector<std::int16_t> packed;
-  packed.reserve(3 * field.nodes().num_voxels());
+  // Four values a node: drivers convert textures of three.
+  std::vector<std::array<std::int16_t, 4>> packed;
+  packed.reserve(field.nodes().num_voxels());
   for (int k = 0; k < size[2]; ++k) {
     for (int j = 0; j < size[1]; ++j) {
       const auto row = field.StoredRow(component, j, k);
-      packed.insert(packed.end(), row.begin(), row.end());
+      for (std::size_t n = 0; n + 2 < row.size(); n += 3) {
+        packed.push_back({row[n], row[n + 1], row[n + 2], 0});
+      }
     }
   }
-  if (fields_.size() == kMostFields) {
+  if (fields_.size() == static_cast<std::size_t>(kMostFields)) {
     std::rotate(fields_.begin(), fields_.begin() + 1, fields_.end());
   } else {
     fields_.emplace_back();
@@ -141,107 +166,103 @@ const Texture& Renderer::FieldOnCard(const breathing::MotionField& field, int co
   StoredField& stored = fields_.back();
   stored.field = field.identity();
   stored.component = component;
-  stored.texture.Set(TexelFormat::kShort3, size, packed.data());
+  stored.texture.Set(TexelFormat::kShort4, size, packed.data());
   return stored.texture;
 }
 
 void Renderer::SetBreath(const breathing::MotionMap* motion, const WarpSettings& warp) {
   const bool moves = motion != nullptr && motion->moves();
-  program_.Set("num_components", moves ? motion->weights().count : 0);
+  moment_.num_components = moves ? motion->weights().count : 0;
   if (!moves) return;
   const breathing::MotionField& field = motion->field();
   const Eigen::Affine3f nodes_from_ct = field.nodes().index_from_ct().cast<float>();
-  program_.Set("nodes_size", field.nodes().size);
-  program_.Set("nodes_linear", Eigen::Matrix3f(nodes_from_ct.linear()));
-  program_.Set("nodes_offset", Eigen::Vector3f(nodes_from_ct.translation()));
-  program_.Set("most_iterations", warp.max_iterations);
-  program_.Set("tolerance_mm", static_cast<float>(warp.tolerance_mm));
-  Eigen::Vector4f scale = Eigen::Vector4f::Zero();
+  moment_.nodes_size = field.nodes().size.matrix();
+  moment_.nodes_linear = Padded(nodes_from_ct.linear());
+  moment_.nodes_offset = nodes_from_ct.translation();
+  moment_.most_iterations = warp.max_iterations;
+  moment_.tolerance_mm = static_cast<float>(warp.tolerance_mm);
+  moment_.component_scale.setZero();
   for (int n = 0; n < motion->weights().count; ++n) {
     const int component = motion->weights().component[static_cast<std::size_t>(n)];
-    scale[n] = motion->weights().weight[static_cast<std::size_t>(n)] *
-               static_cast<float>(32767.0 * field.MmPerUnit(component));
+    moment_.component_scale[n] = motion->weights().weight[static_cast<std::size_t>(n)] *
+                                 static_cast<float>(32767.0 * field.MmPerUnit(component));
     FieldOnCard(field, component).Bind(kFirstComponent + static_cast<unsigned>(n));
   }
-  program_.Set("component_scale", scale);
 }
 
 void Renderer::SetPressed(const PressedTissue* pressed) {
   const bool is_pressed = pressed != nullptr && !pressed->empty();
-  program_.Set("is_pressed", is_pressed ? 1 : 0);
+  moment_.is_pressed = is_pressed ? 1 : 0;
   if (!is_pressed) return;
   pressed_.Set(TexelFormat::kFloat3, pressed->size(), pressed->knots().data());
-  program_.Set("pressed_size", pressed->size());
-  program_.Set("pressed_low_mm", Eigen::Vector3f(pressed->box_in_ct_mm().min()));
-  program_.Set("pressed_high_mm", Eigen::Vector3f(pressed->box_in_ct_mm().max()));
-  program_.Set("pressed_spacing_mm", pressed->spacing_mm());
+  moment_.pressed_size = pressed->size().matrix();
+  moment_.pressed_low_mm = pressed->box_in_ct_mm().min();
+  moment_.pressed_high_mm = pressed->box_in_ct_mm().max();
+  moment_.pressed_spacing_mm = pressed->spacing_mm();
 }
 
-void Renderer::SetLight(const Light& light, const ShadowMap* shadows) {
-  program_.Set("to_lamp", light.to_lamp);
-  program_.Set("light", Eigen::Vector4f(light.ambient, light.diffuse, light.fill, light.gloss));
-  program_.Set("has_shadows", shadows == nullptr ? 0 : 1);
+void Renderer::SetLight(const Light& light, const ShadowFrame* shadows) {
+  moment_.to_lamp = light.to_lamp;
+  moment_.light = {light.ambient, light.diffuse, light.fill, light.gloss};
+  moment_.has_shadows = shadows == nullptr ? 0 : 1;
   if (shadows == nullptr) return;
-  constexpr int kSize = ShadowMap::kSize;
-  shadows_.Set(TexelFormat::kFloat, Eigen::Array3i(kSize, kSize, 1), shadows->height_mm().data());
-  program_.Set("shadow_size", kSize);
-  program_.Set("lamp_from_ct", shadows->lamp_from_ct());
-  program_.Set("shadow_low_mm", shadows->low_mm());
-  program_.Set("shadow_cell_mm", shadows->mm_per_cell());
-  program_.Set("shadow_clear_mm", ShadowMap::kClearMm);
+  moment_.shadow_size = ShadowMap::kSize;
+  moment_.lamp_from_ct = Padded(shadows->lamp_from_ct);
+  moment_.shadow_low_mm = shadows->low_mm;
+  moment_.shadow_cell_mm = shadows->mm_per_cell;
+  moment_.shadow_clear_mm = ShadowMap::kClearMm;
 }
 
 void Renderer::SetCuts(std::span<const CutPlane> cuts) {
   std::vector<Eigen::Vector4f> planes;
   for (const CutPlane& cut : cuts) planes.emplace_back(cut.coeffs().cast<float>());
-  program_.Set("num_cuts", static_cast<int>(planes.size()));
+  moment_.num_cuts = static_cast<int>(planes.size());
   cuts_.Set(planes.data(), planes.size() * sizeof(Eigen::Vector4f));
+  cuts_.Bind(kCuts);
 }
 
-void Renderer::SetSurfaces(const FragmentLists& surfaces) {
-  std::vector<ShaderFragment> fragments;
-  fragments.reserve(surfaces.fragments.size());
-  for (const Fragment& met : surfaces.fragments) {
-    fragments.push_back({met.distance_mm, met.opacity, met.colour[0], met.colour[1], met.colour[2],
-                         met.is_tool ? 1.0F : 0.0F});
-  }
-  first_.Set(surfaces.first.data(), surfaces.first.size() * sizeof(surfaces.first[0]));
-  fragments_.Set(fragments.data(), fragments.size() * sizeof(ShaderFragment));
-}
-
-void Renderer::Cast(const VolumeScene& scene, const RaySettings& settings, const Camera& camera,
-                    const FragmentLists& surfaces, std::vector<std::uint8_t>& rgba) {
-  if (!has_patient_) LoadPatient(scene);
-  SetCamera(camera);
-  SetBlocks(*scene.blocks);
-  SetBreath(scene.motion, settings.warp);
-  SetPressed(scene.pressed);
-  SetLight(scene.light, scene.shadows);
-  SetCuts(scene.cuts);
-  SetSurfaces(surfaces);
-  program_.Set("step_mm", static_cast<float>(settings.step_mm));
-  program_.Set("tool_shine", static_cast<float>(settings.tool_shine));
-  program_.Set("is_maximum", settings.projection == Projection::kMaximum ? 1 : 0);
-  program_.Set("window_hu", Eigen::Vector2f(static_cast<float>(settings.window.low_hu),
-                                            static_cast<float>(settings.window.high_hu)));
-  rgba.resize(4 * static_cast<std::size_t>(camera.width_px) *
-              static_cast<std::size_t>(camera.height_px));
-  pixels_.Set(nullptr, rgba.size());
+void Renderer::CastRays(std::size_t num_pixels) {
   hu_.Bind(kHu);
   slopes_.Bind(kSlopes);
   classes_.Bind(kClasses);
-  distances_.Bind(kDistances);
-  pressed_.Bind(kPressed);
-  shadows_.Bind(kShadows);
+  blocks_.Bind(kDistances);
   integral_.Bind(kIntegral);
   value_.Bind(kValue);
-  cuts_.Bind(kCuts);
-  first_.Bind(kFirst);
-  fragments_.Bind(kFragments);
   pixels_.Bind(kPixels);
-  context_.Check("an image's data");
-  program_.Run((camera.width_px + kGroup - 1) / kGroup, (camera.height_px + kGroup - 1) / kGroup);
-  pixels_.Read(rgba.data(), rgba.size());
+  colours_.Bind(kColours);
+  coverage_.Bind(kCoverage);
+  surfaces_.Bind();
+  rays_.Run({(moment_.image_size[0] + kGroup - 1) / kGroup,
+             (moment_.image_size[1] + kGroup - 1) / kGroup, 1});
+  split_.Set("num_pixels", static_cast<int>(num_pixels));
+  const auto pixels_of_group = static_cast<std::size_t>(4 * kSplitGroup);
+  split_.Run({static_cast<int>((num_pixels + pixels_of_group - 1) / pixels_of_group), 1, 1});
+}
+
+void Renderer::Render(const VolumeScene& scene, const DeviceImage& image,
+                      std::span<std::uint8_t> rgb, std::span<std::uint8_t> coverage) {
+  SetImage(image);
+  SetBlocks(scene);
+  SetBreath(scene.motion, image.rays.warp);
+  SetPressed(scene.pressed);
+  SetLight(scene.light, image.shadows);
+  SetCuts(scene.cuts);
+  pressed_.Bind(kPressed);
+  const std::size_t num_pixels = coverage.size();
+  const std::size_t in_fours = 4 * ((num_pixels + 3) / 4);
+  pixels_.Set(nullptr, 4 * in_fours);
+  colours_.Set(nullptr, 3 * in_fours);
+  coverage_.Set(nullptr, in_fours);
+  do {
+    moment_.most_nodes = surfaces_.Begin(image);
+    moment_on_card_.Set(&moment_, sizeof(moment_));
+    moment_on_card_.BindUniforms(0);
+    context_.Check("an image's data");
+    surfaces_.Draw(image);
+    CastRays(num_pixels);
+  } while (!surfaces_.HadRoom());
+  colours_.Read(rgb.data(), rgb.size());
+  coverage_.Read(coverage.data(), coverage.size());
   context_.Check("an image");
 }
 
@@ -254,20 +275,36 @@ class ShaderRays final : public RayDevice {
     });
   }
   ~ShaderRays() override {
-    thread_.Run([&] { renderer_.reset(); });
+    try {
+      thread_.Run([&] { renderer_.reset(); });
+    } catch (const InputError&) {
+      // What was begun has failed, and no image waits for it any more.
+      thread_.Run([&] { renderer_.reset(); });
+    }
   }
   ShaderRays(const ShaderRays&) = delete;
   ShaderRays& operator=(const ShaderRays&) = delete;
 
   std::string name() const override { return name_; }
-  void Cast(const VolumeScene& scene, const RaySettings& settings, const Camera& camera,
-            const FragmentLists& surfaces, std::vector<std::uint8_t>& rgba) override {
-    thread_.Run([&] { renderer_->Cast(scene, settings, camera, surfaces, rgba); });
+  void Load(const VolumeScene& scene, const breathing::MotionField* field) override {
+    thread_.Start([this, scene, field] {
+      renderer_->Load(scene, field);
+      bytes_sent_ = BytesSent();
+    });
   }
+  void Render(const VolumeScene& scene, const DeviceImage& image, std::span<std::uint8_t> rgb,
+              std::span<std::uint8_t> coverage) override {
+    thread_.Run([&] {
+      renderer_->Render(scene, image, rgb, coverage);
+      bytes_sent_ = BytesSent();
+    });
+  }
+  std::uint64_t bytes_sent() const override { return bytes_sent_; }
 
  private:
   std::string name_;
   std::optional<Renderer> renderer_;
+  std::atomic<std::uint64_t> bytes_sent_ = 0;
   JobThread thread_;
 };
 

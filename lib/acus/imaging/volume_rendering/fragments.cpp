@@ -225,27 +225,4 @@ void TriangleBands::Append(const Band& band, std::size_t pixel, std::vector<Frag
   if (opaque != out.end()) out.erase(opaque + 1, out.end());
 }
 
-FragmentLists TriangleBands::DrawAll(const Light& light, const ShadowMap* shadows,
-                                     int num_threads) const {
-  std::vector<FragmentLists> of_band(static_cast<std::size_t>(num_bands_));
-  ParallelFor(num_bands_, num_threads, [&](int n) {
-    FragmentLists& lists = of_band[static_cast<std::size_t>(n)];
-    Band band;
-    Draw(n, light, shadows, band);
-    const int rows = std::min(kRows, camera_.height_px - n * kRows);
-    for (int pixel = 0; pixel < rows * camera_.width_px; ++pixel) {
-      Append(band, static_cast<std::size_t>(pixel), lists.fragments);
-      lists.first.push_back(static_cast<std::uint32_t>(lists.fragments.size()));
-    }
-  });
-  FragmentLists all;
-  all.first.push_back(0);
-  for (const FragmentLists& lists : of_band) {
-    const auto before = static_cast<std::uint32_t>(all.fragments.size());
-    for (const std::uint32_t end : lists.first) all.first.push_back(before + end);
-    all.fragments.insert(all.fragments.end(), lists.fragments.begin(), lists.fragments.end());
-  }
-  return all;
-}
-
 }  // namespace acus::volume_rendering

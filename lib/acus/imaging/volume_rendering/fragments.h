@@ -24,10 +24,14 @@ struct Drawing {
   bool closed = true;      ///< Only faces towards the camera are drawn.
   bool is_tool = false;    ///< May shine through tissue.
   bool in_shadow = false;  ///< Tools throw their shadow on it.
+  /// Nodes and normals are those at rest: a device moves them with the tissue.
+  bool at_rest = false;
   /// Grey values over the surface: texture_at.col(node) are column and row. May be null.
   const image::GrayImage* texture = nullptr;
   const Eigen::Matrix2Xf* texture_at = nullptr;
   std::span<const CutPlane> cuts = {};  ///< What they cut away is not drawn.
+
+  bool throws_shadow() const { return is_tool && normals != nullptr; }
 };
 
 /// A ray through a surface.
@@ -37,14 +41,6 @@ struct Fragment {
   Eigen::Array3f colour = Eigen::Array3f::Zero();  ///< Lit, not weighted by opacity.
   bool is_tool = false;
   int next = -1;  ///< Of the same pixel, in the order drawn.
-};
-
-/// The surfaces of all pixels of an image.
-struct FragmentLists {
-  /// Those of pixel n, row by row from the top, are fragments first[n] to first[n + 1], by rising
-  /// distance; none comes after an opaque one.
-  std::vector<std::uint32_t> first;
-  std::vector<Fragment> fragments;
 };
 
 /// All triangles of an image, sorted into bands of rows.
@@ -66,8 +62,6 @@ class TriangleBands {
   void Draw(int band, const Light& light, const ShadowMap* shadows, Band& out) const;
   /// Adds those of one pixel of a band by rising distance, none after an opaque one.
   static void Append(const Band& band, std::size_t pixel, std::vector<Fragment>& out);
-  /// All bands. The same with any number of threads.
-  FragmentLists DrawAll(const Light& light, const ShadowMap* shadows, int num_threads) const;
 
  private:
   struct Item {

@@ -23,6 +23,8 @@ class MovingSurface {
 
   const Eigen::Matrix3Xf& nodes_mm() const { return world_mm_; }
   const Eigen::Matrix3Xf& normals() const { return normals_; }
+  const Eigen::Matrix3Xf& rest_mm() const { return nodes_.rest_mm(); }
+  const Eigen::Matrix3Xf& rest_normals() const { return nodes_.rest_normals(); }
   const Eigen::Matrix3Xi& triangles() const { return triangles_; }
   Eigen::AlignedBox3d RestBox() const;
 

@@ -83,12 +83,14 @@ struct PatientView::Content {
   void AddPlane(const ProbeInView& probe);
   void AddPath(const Camera& camera, std::span<const Eigen::Vector3d> path_mm);
   void AddArrow(const Arrow& arrow);
-  void DrawSurface(std::size_t n, const ViewMoment& moment, int num_threads);
-  void CastShadows(const Light& light);
+  void DrawSurface(std::size_t n, const ViewMoment& moment, bool at_rest, int num_threads);
+  std::optional<ShadowFrame> ShadowsFrom(const Light& light) const;
+  void CastShadows(const ShadowFrame& frame);
   void WriteRows(const std::vector<RayColour>& pixels, int band, const Camera& camera,
                  ViewImage& out) const;
-  bool CastOnDevice(const VolumeScene& scene, const Camera& camera, const Camera& fine,
-                    ViewImage& out, int num_threads);
+  VolumeScene SceneAtRest() const;
+  bool RenderOnDevice(const VolumeScene& scene, const Camera& fine, const ShadowFrame* frame,
+                      ViewImage& out);
 
   PatientInView patient;
   ViewSettings settings;
@@ -106,12 +108,11 @@ struct PatientView::Content {
   ImagePlane plane;
   std::vector<Drawing> drawings;
   TriangleBands bands;
-  std::optional<ShadowMap> shadows;
+  ShadowMap shadows;
   WarpLattice lattice;
 
   std::unique_ptr<RayDevice> device;  ///< Null: the processor casts the rays.
   std::string device_trouble;
-  std::vector<std::uint8_t> of_device;
 };
 
 PatientView::Content::Content(PatientInView given, const ViewSettings& view_settings)
@@ -219,14 +220,16 @@ void PatientView::Content::AddArrow(const Arrow& arrow) {
   AddTool(Tube(points, radii_mm), Eigen::Isometry3d::Identity(), kArrow);
 }
 
-void PatientView::Content::DrawSurface(std::size_t n, const ViewMoment& moment, int num_threads) {
+void PatientView::Content::DrawSurface(std::size_t n, const ViewMoment& moment, bool at_rest,
+                                       int num_threads) {
   MovingSurface& surface = surfaces[n];
-  surface.Update(moment.motion, num_threads);
+  if (!at_rest) surface.Update(moment.motion, num_threads);
   Drawing drawing;
-  drawing.nodes_mm = &surface.nodes_mm();
-  drawing.normals = &surface.normals();
+  drawing.at_rest = at_rest;
+  drawing.nodes_mm = at_rest ? &surface.rest_mm() : &surface.nodes_mm();
+  drawing.normals = at_rest ? &surface.rest_normals() : &surface.normals();
   drawing.triangles = &surface.triangles();
-  if (moment.pressed != nullptr) {
+  if (moment.pressed != nullptr && !at_rest) {
     PressedSurface& pressed = pressed_surfaces[n];
     pressed.Update(*moment.pressed, surface.nodes_mm(), surface.normals(), surface.triangles(),
                    num_threads);
@@ -266,21 +269,22 @@ void PatientView::Content::PlaceTools(const Camera& camera, const ViewMoment& mo
   }
 }
 
-void PatientView::Content::CastShadows(const Light& light) {
-  shadows.reset();
-  if (!settings.tool_shadows || tools.empty()) return;
+std::optional<ShadowFrame> PatientView::Content::ShadowsFrom(const Light& light) const {
+  if (!settings.tool_shadows) return std::nullopt;
   Eigen::AlignedBox3f around;
-  const auto throws = [](const Drawing& d) { return d.is_tool && d.normals != nullptr; };
   for (const Drawing& drawing : drawings) {
-    if (!throws(drawing)) continue;
+    if (!drawing.throws_shadow()) continue;
     around.extend(drawing.nodes_mm->rowwise().minCoeff());
     around.extend(drawing.nodes_mm->rowwise().maxCoeff());
   }
-  if (around.isEmpty()) return;  // Of a path alone.
-  shadows.emplace();
-  shadows->Begin(light.to_lamp, around);
+  if (around.isEmpty()) return std::nullopt;
+  return ShadowMap::FrameOf(light.to_lamp, around);
+}
+
+void PatientView::Content::CastShadows(const ShadowFrame& frame) {
+  shadows.Begin(frame);
   for (const Drawing& drawing : drawings) {
-    if (throws(drawing)) shadows->Add(*drawing.nodes_mm, *drawing.triangles);
+    if (drawing.throws_shadow()) shadows.Add(*drawing.nodes_mm, *drawing.triangles);
   }
 }
 
@@ -317,30 +321,37 @@ void PatientView::Content::WriteRows(const std::vector<RayColour>& pixels, int b
   }
 }
 
+VolumeScene PatientView::Content::SceneAtRest() const {
+  VolumeScene scene;
+  if (!blocks) return scene;
+  scene.ct = patient.ct.get();
+  scene.slopes = &slopes;
+  scene.transfer = &transfer;
+  scene.classes = &classes;
+  scene.blocks = &*blocks;
+  scene.lattice = &lattice;
+  scene.hidden = &hidden;
+  return scene;
+}
+
 /// @return false if the device has failed.
-bool PatientView::Content::CastOnDevice(const VolumeScene& scene, const Camera& camera,
-                                        const Camera& fine, ViewImage& out, int num_threads) {
+bool PatientView::Content::RenderOnDevice(const VolumeScene& scene, const Camera& fine,
+                                          const ShadowFrame* frame, ViewImage& out) {
+  DeviceImage image;
+  image.camera = fine;
+  image.supersampling = settings.supersampling;
+  image.rays = settings.rays;
+  image.background_top = settings.background_top;
+  image.background_bottom = settings.background_bottom;
+  image.drawings = drawings;
+  image.shadows = frame;
   try {
-    device->Cast(scene, settings.rays, fine, bands.DrawAll(scene.light, scene.shadows, num_threads),
-                 of_device);
+    device->Render(scene, image, out.colour.rgb, out.coverage);
   } catch (const InputError& error) {
     device_trouble = error.what();
     device.reset();
     return false;
   }
-  ParallelFor(bands.num_bands(), num_threads, [&](int band) {
-    const int first_row = band * TriangleBands::kRows;
-    const int rows = std::min(TriangleBands::kRows, fine.height_px - first_row);
-    std::vector<RayColour> pixels(static_cast<std::size_t>(rows * fine.width_px));
-    const std::uint8_t* bytes = &of_device[4 * static_cast<std::size_t>(first_row) *
-                                           static_cast<std::size_t>(fine.width_px)];
-    for (RayColour& pixel : pixels) {
-      pixel.colour = Eigen::Array3f(bytes[0], bytes[1], bytes[2]) / 255.0F;
-      pixel.opacity = static_cast<float>(bytes[3]) / 255.0F;
-      bytes += 4;
-    }
-    WriteRows(pixels, band, camera, out);
-  });
   return true;
 }
 
@@ -357,6 +368,9 @@ const Eigen::AlignedBox3d& PatientView::box_in_ct_mm() const {
 void PatientView::UseDevice(std::unique_ptr<RayDevice> device) {
   content_->device = std::move(device);
   content_->device_trouble.clear();
+  if (content_->device && content_->blocks) {
+    content_->device->Load(content_->SceneAtRest(), content_->patient.field);
+  }
 }
 
 const std::string& PatientView::device_trouble() const {
@@ -376,12 +390,13 @@ bool PatientView::Render(const Camera& camera, const ViewMoment& moment, ViewIma
   for (const CutPlane& cut : moment.cuts) {
     ACUS_REQUIRE(cut.coeffs().allFinite(), "view: a cut plane is not finite");
   }
-  if (c.blocks) c.blocks->Update(motion, c.settings.rays.step_mm);
-  if (c.blocks && pressed != nullptr) {
+  const bool on_device = c.device != nullptr && c.blocks.has_value();
+  if (c.blocks && !on_device) c.blocks->Update(motion, c.settings.rays.step_mm);
+  if (c.blocks && !on_device && pressed != nullptr) {
     c.blocks->Widen(pressed->box_in_ct_mm(), pressed->LargestMm());
   }
   c.lattice.Clear();
-  if (c.blocks && motion != nullptr && !c.device) {
+  if (c.blocks && motion != nullptr && !on_device) {
     c.lattice.Update(*motion, *c.blocks, c.patient.ct->geometry.index_from_ct(),
                      c.settings.rays.warp.lattice_mm, num_threads);
   }
@@ -391,35 +406,31 @@ bool PatientView::Render(const Camera& camera, const ViewMoment& moment, ViewIma
   ViewMoment seen = moment;
   seen.motion = motion;
   seen.pressed = pressed;
-  for (std::size_t n = 0; n < c.surfaces.size(); ++n) c.DrawSurface(n, seen, num_threads);
+  for (std::size_t n = 0; n < c.surfaces.size(); ++n) {
+    c.DrawSurface(n, seen, on_device, num_threads);
+  }
   c.PlaceTools(camera, moment);
 
-  VolumeScene scene;
+  VolumeScene scene = c.SceneAtRest();
   scene.light.to_lamp =
       (camera.camera_from_ct.linear().transpose() * kLampInCamera.normalized()).cast<float>();
-  c.CastShadows(scene.light);
-  if (c.shadows) scene.shadows = &*c.shadows;
   scene.motion = motion;
   scene.pressed = pressed;
   scene.cuts = moment.cuts;
-  if (c.blocks) {
-    scene.ct = c.patient.ct.get();
-    scene.slopes = &c.slopes;
-    scene.transfer = &c.transfer;
-    scene.classes = &c.classes;
-    scene.blocks = &*c.blocks;
-    scene.lattice = &c.lattice;
-    scene.hidden = &c.hidden;
-  }
   const Camera fine = camera.Magnified(c.settings.supersampling);
-  c.bands.Sort(fine, c.drawings, num_threads);
+  const std::optional<ShadowFrame> shadows = c.ShadowsFrom(scene.light);
   out.colour.Resize(camera.width_px, camera.height_px);
   out.coverage.resize(out.colour.rgb.size() / 3);
-  if (c.device && c.blocks) {
+  if (on_device) {
     if (stop && stop()) return false;
-    return c.CastOnDevice(scene, camera, fine, out, num_threads) ||
+    return c.RenderOnDevice(scene, fine, shadows ? &*shadows : nullptr, out) ||
            Render(camera, moment, out, num_threads, stop);
   }
+  if (shadows) {
+    c.CastShadows(*shadows);
+    scene.shadows = &c.shadows;
+  }
+  c.bands.Sort(fine, c.drawings, num_threads);
   const BandRenderer renderer(scene, c.settings.rays, fine, c.bands);
   // Whichever thread is free takes the next band; each writes rows of its own.
   std::atomic<int> next = 0;

@@ -10,26 +10,32 @@ constexpr float kNothing = -1e30F;
 
 }  // namespace
 
-void ShadowMap::Begin(const Eigen::Vector3f& to_lamp, const Eigen::AlignedBox3f& box_mm) {
+ShadowFrame ShadowMap::FrameOf(const Eigen::Vector3f& to_lamp, const Eigen::AlignedBox3f& box_mm) {
+  ShadowFrame frame;
   const Eigen::Vector3f x = to_lamp.unitOrthogonal();
-  lamp_from_ct_.row(0) = x;
-  lamp_from_ct_.row(1) = to_lamp.cross(x);
-  lamp_from_ct_.row(2) = to_lamp;
+  frame.lamp_from_ct.row(0) = x;
+  frame.lamp_from_ct.row(1) = to_lamp.cross(x);
+  frame.lamp_from_ct.row(2) = to_lamp;
   Eigen::AlignedBox3f box;
   for (int n = 0; n < 8; ++n) {
-    box.extend(lamp_from_ct_ * box_mm.corner(static_cast<Eigen::AlignedBox3f::CornerType>(n)));
+    box.extend(frame.lamp_from_ct * box_mm.corner(static_cast<Eigen::AlignedBox3f::CornerType>(n)));
   }
   // Room for the soft edge.
-  mm_per_cell_ = std::max(0.2F, box.sizes().head<2>().maxCoeff() / (kSize - 8));
-  low_mm_ = box.min().head<2>() - Eigen::Vector2f::Constant(4.0F * mm_per_cell_);
+  frame.mm_per_cell = std::max(0.2F, box.sizes().head<2>().maxCoeff() / (kSize - 8));
+  frame.low_mm = box.min().head<2>() - Eigen::Vector2f::Constant(4.0F * frame.mm_per_cell);
+  return frame;
+}
+
+void ShadowMap::Begin(const ShadowFrame& frame) {
+  frame_ = frame;
   height_mm_.assign(static_cast<std::size_t>(kSize * kSize), kNothing);
 }
 
 void ShadowMap::Add(const Eigen::Matrix3Xf& nodes_mm, const Eigen::Matrix3Xi& triangles) {
   for (const auto& corners : triangles.colwise()) {
     Eigen::Matrix3f at;
-    for (int n = 0; n < 3; ++n) at.col(n) = lamp_from_ct_ * nodes_mm.col(corners[n]);
-    at.topRows<2>() = (at.topRows<2>().colwise() - low_mm_) / mm_per_cell_;
+    for (int n = 0; n < 3; ++n) at.col(n) = frame_.lamp_from_ct * nodes_mm.col(corners[n]);
+    at.topRows<2>() = (at.topRows<2>().colwise() - frame_.low_mm) / frame_.mm_per_cell;
     const Eigen::Vector2f a = at.col(1).head<2>() - at.col(0).head<2>();
     const Eigen::Vector2f b = at.col(2).head<2>() - at.col(0).head<2>();
     const float area = a[0] * b[1] - a[1] * b[0];
@@ -54,8 +60,8 @@ void ShadowMap::Add(const Eigen::Matrix3Xf& nodes_mm, const Eigen::Matrix3Xi& tr
 }
 
 float ShadowMap::LitAt(const Eigen::Vector3f& place_mm) const noexcept {
-  const Eigen::Vector3f at = lamp_from_ct_ * place_mm;
-  const Eigen::Vector2f cell = (at.head<2>() - low_mm_) / mm_per_cell_;
+  const Eigen::Vector3f at = frame_.lamp_from_ct * place_mm;
+  const Eigen::Vector2f cell = (at.head<2>() - frame_.low_mm) / frame_.mm_per_cell;
   // As numbers with a fraction: a place far away has no cell that an integer could name.
   constexpr float kEnd = kSize - 2;
   if (!(cell[0] >= 1.0F && cell[1] >= 1.0F && cell[0] < kEnd && cell[1] < kEnd)) return 1.0F;

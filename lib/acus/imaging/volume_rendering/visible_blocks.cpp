@@ -54,7 +54,7 @@ void VisibleBlocks::FindVisible(const volume::CtVolume& ct, const TransferFuncti
             }
           }
         }
-        if (transfer.Shows(low, high, classes.In(from, to))) visible_.push_back({block, 0});
+        if (transfer.Shows(low, high, classes.In(from, to))) visible_.push_back(block);
       }
     }
   }
@@ -63,20 +63,22 @@ void VisibleBlocks::FindVisible(const volume::CtVolume& ct, const TransferFuncti
 void VisibleBlocks::FindRanges(const volume::CtVolume& ct, const breathing::MotionField& field) {
   num_components_ = field.num_components();
   ranges_mm_.resize(visible_.size() * static_cast<std::size_t>(num_components_));
+  constexpr float kHuge = std::numeric_limits<float>::max();
+  whole_ranges_mm_.assign(static_cast<std::size_t>(num_components_),
+                          {Eigen::Array3f::Constant(kHuge), Eigen::Array3f::Constant(-kHuge)});
   const Eigen::Affine3d node_from_index =
       field.nodes().index_from_ct() * ct.geometry.ct_from_index();
   const Eigen::Array3i last = field.nodes().size - 1;
   std::size_t next = 0;
-  for (RestBlock& block : visible_) {
+  for (const Eigen::Array3i& block : visible_) {
     Eigen::AlignedBox3d box;
     for (int corner = 0; corner < 8; ++corner) {
       const Eigen::Array3i at(corner & 1, (corner >> 1) & 1, corner >> 2);
       box.extend(node_from_index *
-                 ((block.at + at) * voxels_per_block_).cast<double>().matrix().eval());
+                 ((block + at) * voxels_per_block_).cast<double>().matrix().eval());
     }
     const Eigen::Array3i from = box.min().array().floor().cast<int>().max(0).min(last);
     const Eigen::Array3i to = box.max().array().ceil().cast<int>().max(0).min(last);
-    block.range = next;
     for (int n = 0; n < num_components_; ++n) {
       Eigen::Array3i low = Eigen::Array3i::Constant(std::numeric_limits<int>::max());
       Eigen::Array3i high = -low;
@@ -92,16 +94,19 @@ void VisibleBlocks::FindRanges(const volume::CtVolume& ct, const breathing::Moti
         }
       }
       const auto unit_mm = static_cast<float>(field.MmPerUnit(n));
-      ranges_mm_[next++] = {unit_mm * low.cast<float>(), unit_mm * high.cast<float>()};
+      const Range& range =
+          ranges_mm_[next++] = {unit_mm * low.cast<float>(), unit_mm * high.cast<float>()};
+      Range& whole = whole_ranges_mm_[static_cast<std::size_t>(n)];
+      whole = {whole.low_mm.min(range.low_mm), whole.high_mm.max(range.high_mm)};
     }
   }
 }
 
 Eigen::AlignedBox3d VisibleBlocks::VisibleBox() const {
   Eigen::AlignedBox3d blocks;
-  for (const RestBlock& block : visible_) {
-    blocks.extend(block.at.cast<double>().matrix());
-    blocks.extend((block.at + 1).cast<double>().matrix());
+  for (const Eigen::Array3i& block : visible_) {
+    blocks.extend(block.cast<double>().matrix());
+    blocks.extend((block + 1).cast<double>().matrix());
   }
   if (blocks.isEmpty()) blocks = {Eigen::Vector3d::Zero(), rest_size_.cast<double>().matrix()};
   const Eigen::Affine3d ct_from_index = index_from_ct_.inverse();
@@ -114,11 +119,11 @@ Eigen::AlignedBox3d VisibleBlocks::VisibleBox() const {
   return out;
 }
 
-VisibleBlocks::Range VisibleBlocks::RangeNow(const RestBlock& block,
-                                             const breathing::MotionWeights& weights) const {
+VisibleBlocks::Range VisibleBlocks::RangeNow(const Range* of_components,
+                                             const breathing::MotionWeights& weights) {
   Range sum{Eigen::Array3f::Zero(), Eigen::Array3f::Zero()};
   for (std::size_t n = 0; n < static_cast<std::size_t>(weights.count); ++n) {
-    const Range& range = ranges_mm_[block.range + weights.component[n]];
+    const Range& range = of_components[weights.component[n]];
     const Eigen::Array3f low = weights.weight[n] * range.low_mm;
     const Eigen::Array3f high = weights.weight[n] * range.high_mm;
     sum.low_mm += low.min(high);
@@ -127,24 +132,29 @@ VisibleBlocks::Range VisibleBlocks::RangeNow(const RestBlock& block,
   return sum;
 }
 
-void VisibleBlocks::Resize(const Eigen::Array3i& margin_blocks) {
-  if ((margin_blocks == margin_).all()) return;
-  margin_ = margin_blocks;
-  size_ = rest_size_ + 1 + 2 * margin_;
-  // Read by four at a time.
-  distance_.resize(static_cast<std::size_t>(size_.cast<std::int64_t>().prod()) + 3);
+BlockFrame VisibleBlocks::FrameFor(const breathing::MotionMap* motion, double ray_step_mm) const {
+  BlockFrame frame;
+  // A sample on either side of whatever is visible.
+  frame.reach = static_cast<float>(ray_step_mm) * blocks_per_mm_.rowwise().norm().array() + 1e-3F;
+  const Shift shift = ShiftOf(whole_ranges_mm_.data(), motion, frame.reach);
+  const Eigen::Array3f farthest = shift.low.abs().max(shift.high.abs());
+  frame.margin = (farthest.ceil().cast<int>() + 1).min(kLargestMargin);
+  frame.size = rest_size_ + 1 + 2 * frame.margin;
   const Eigen::Array3d scale = voxels_per_block_.cast<double>().inverse();
   const Eigen::Affine3d blocks_from_index =
-      Eigen::Translation3d((margin_ + 1).cast<double>().matrix()) * Eigen::Scaling(scale.matrix());
-  blocks_from_ct_ = (blocks_from_index * index_from_ct_).cast<float>();
+      Eigen::Translation3d((frame.margin + 1).cast<double>().matrix()) *
+      Eigen::Scaling(scale.matrix());
+  frame.blocks_from_ct = (blocks_from_index * index_from_ct_).cast<float>();
+  return frame;
 }
 
 void VisibleBlocks::Mark(const Eigen::Array3i& low, const Eigen::Array3i& high) {
   const Eigen::Array3i from = low.max(0);
-  const Eigen::Array3i to = high.min(size_ - 1);
+  const Eigen::Array3i to = high.min(frame_.size - 1);
   for (int k = from[2]; k <= to[2]; ++k) {
     for (int j = from[1]; j <= to[1]; ++j) {
-      const auto row = distance_.begin() + static_cast<std::ptrdiff_t>(k * size_[1] + j) * size_[0];
+      const auto row =
+          distance_.begin() + static_cast<std::ptrdiff_t>(k * frame_.size[1] + j) * frame_.size[0];
       if (from[0] <= to[0]) std::fill(row + from[0], row + to[0] + 1, std::uint8_t{0});
     }
   }
@@ -153,8 +163,8 @@ void VisibleBlocks::Mark(const Eigen::Array3i& low, const Eigen::Array3i& high) 
 /// Two sweeps with the 26 neighbours give the exact chessboard distance. Neighbours in other rows
 /// come first, a whole row at a time; then those along the row.
 void VisibleBlocks::SpreadDistance() {
-  const std::ptrdiff_t row = size_[0];
-  const std::ptrdiff_t slice = row * size_[1];
+  const std::ptrdiff_t row = frame_.size[0];
+  const std::ptrdiff_t slice = row * frame_.size[1];
   std::vector<std::uint8_t> nearest(static_cast<std::size_t>(row) + 2);
   const auto sweep_row = [&](int j, int k, int sign) {
     std::ranges::fill(nearest, kFarBlocks);
@@ -163,7 +173,8 @@ void VisibleBlocks::SpreadDistance() {
     const auto add = [&](int dj, int dk) {
       const int j_other = j + sign * dj;
       const int k_other = k + sign * dk;
-      if (j_other < 0 || j_other >= size_[1] || k_other < 0 || k_other >= size_[2]) return;
+      if (j_other < 0 || j_other >= frame_.size[1] || k_other < 0 || k_other >= frame_.size[2])
+        return;
       const std::uint8_t* other = distance_.data() + slice * k_other + row * j_other;
       for (std::ptrdiff_t i = 0; i < row; ++i) best[i] = std::min(best[i], other[i]);
     };
@@ -180,19 +191,19 @@ void VisibleBlocks::SpreadDistance() {
       here[i] = std::min(here[i], static_cast<std::uint8_t>(here[i - sign] + 1));
     }
   };
-  for (int k = 0; k < size_[2]; ++k) {
-    for (int j = 0; j < size_[1]; ++j) sweep_row(j, k, 1);
+  for (int k = 0; k < frame_.size[2]; ++k) {
+    for (int j = 0; j < frame_.size[1]; ++j) sweep_row(j, k, 1);
   }
-  for (int k = size_[2] - 1; k >= 0; --k) {
-    for (int j = size_[1] - 1; j >= 0; --j) sweep_row(j, k, -1);
+  for (int k = frame_.size[2] - 1; k >= 0; --k) {
+    for (int j = frame_.size[1] - 1; j >= 0; --j) sweep_row(j, k, -1);
   }
 }
 
-VisibleBlocks::Shift VisibleBlocks::ShiftOf(const RestBlock& block,
+VisibleBlocks::Shift VisibleBlocks::ShiftOf(const Range* of_components,
                                             const breathing::MotionMap* motion,
                                             const Eigen::Array3f& reach) const {
   if (motion == nullptr) return {-reach, reach};
-  const Range mm = RangeNow(block, motion->weights());
+  const Range mm = RangeNow(of_components, motion->weights());
   // Whichever way the volume's axes run.
   const Eigen::Array3f middle = blocks_per_mm_ * (0.5F * (mm.low_mm + mm.high_mm)).matrix();
   const Eigen::Array3f half =
@@ -204,16 +215,16 @@ VisibleBlocks::Shift VisibleBlocks::ShiftOf(const RestBlock& block,
 
 void VisibleBlocks::Widen(const Eigen::AlignedBox3f& box_in_ct_mm, float by_mm) {
   if (visible_.empty() || box_in_ct_mm.isEmpty()) return;
-  const Eigen::AlignedBox3f blocks = box_in_ct_mm.transformed(blocks_from_ct_);
+  const Eigen::AlignedBox3f blocks = box_in_ct_mm.transformed(frame_.blocks_from_ct);
   const Eigen::Array3i from = blocks.min().array().floor().cast<int>().max(0);
-  const Eigen::Array3i to = blocks.max().array().ceil().cast<int>().min(size_ - 1);
+  const Eigen::Array3i to = blocks.max().array().ceil().cast<int>().min(frame_.size - 1);
   const auto reach =
       static_cast<int>(std::ceil((by_mm * blocks_per_mm_.rowwise().norm().array()).maxCoeff()));
   for (int k = from[2]; k <= to[2]; ++k) {
     for (int j = from[1]; j <= to[1]; ++j) {
       for (int i = from[0]; i <= to[0]; ++i) {
         std::uint8_t& distance =
-            distance_[static_cast<std::size_t>((k * size_[1] + j) * size_[0] + i)];
+            distance_[static_cast<std::size_t>((k * frame_.size[1] + j) * frame_.size[0] + i)];
         if (distance <= reach) distance = 0;
       }
     }
@@ -226,19 +237,15 @@ void VisibleBlocks::Update(const breathing::MotionMap* motion, double ray_step_m
   if (motion != nullptr && !motion->moves()) motion = nullptr;
   if (visible_.empty() || (motion == nullptr && still_ && step_mm_ == ray_step_mm)) return;
   ACUS_ASSERT(motion == nullptr || num_components_ == motion->field().num_components());
-  // A sample on either side of whatever is visible.
-  const Eigen::Array3f reach =
-      static_cast<float>(ray_step_mm) * blocks_per_mm_.rowwise().norm().array() + 1e-3F;
-  Eigen::Array3f farthest = Eigen::Array3f::Zero();
-  for (const RestBlock& block : visible_) {
-    const Shift shift = ShiftOf(block, motion, reach);
-    farthest = farthest.max(shift.low.abs()).max(shift.high.abs());
-  }
-  Resize((farthest.ceil().cast<int>() + 1).min(kLargestMargin));
+  frame_ = FrameFor(motion, ray_step_mm);
+  // Read by four at a time.
+  distance_.resize(static_cast<std::size_t>(frame_.size.cast<std::int64_t>().prod()) + 3);
   std::ranges::fill(distance_, kFarBlocks);
-  for (const RestBlock& block : visible_) {
-    const Shift shift = ShiftOf(block, motion, reach);
-    const Eigen::Array3f at = (block.at + 1 + margin_).cast<float>();
+  const Range* ranges = ranges_mm_.data();
+  for (const Eigen::Array3i& block : visible_) {
+    const Shift shift = ShiftOf(ranges, motion, frame_.reach);
+    ranges += num_components_;
+    const Eigen::Array3f at = (block + 1 + frame_.margin).cast<float>();
     Mark((at + shift.low).floor().cast<int>(), (at + 1.0F + shift.high).floor().cast<int>());
   }
   SpreadDistance();

@@ -12,6 +12,15 @@
 
 namespace acus::volume_rendering {
 
+/// Where the blocks of the world are at a moment.
+struct BlockFrame {
+  Eigen::Array3i margin = Eigen::Array3i::Zero();  ///< Blocks around those of the volume.
+  Eigen::Array3i size = Eigen::Array3i::Zero();
+  Eigen::Affine3f blocks_from_ct = Eigen::Affine3f::Identity();
+  Eigen::Array3f reach =
+      Eigen::Array3f::Zero();  ///< What a block shows besides its motion, blocks.
+};
+
 /// The volume in blocks of about 6 mm. Blocks of the patient at rest are known from the voxels; the
 /// blocks of the world that they can reach are found for each moment, with bounds that hold: the
 /// displacement anywhere in a cell lies between those of its nodes.
@@ -31,15 +40,31 @@ class VisibleBlocks {
   /// tools press the tissue there. After Update().
   void Widen(const Eigen::AlignedBox3f& box_in_ct_mm, float by_mm);
 
+  /// A frame that holds all that Update() may mark at a moment. In constant time: for devices that
+  /// mark blocks themselves.
+  BlockFrame FrameFor(const breathing::MotionMap* motion, double ray_step_mm) const;
+
+  /// Lowest and highest displacement anywhere in a block.
+  struct Range {
+    Eigen::Array3f low_mm;
+    Eigen::Array3f high_mm;
+  };
+  /// Visible blocks of the patient at rest, and for each of these num_components() ranges.
+  const std::vector<Eigen::Array3i>& visible() const { return visible_; }
+  const std::vector<Range>& ranges_mm() const { return ranges_mm_; }
+  int num_components() const { return num_components_; }
+  const Eigen::Matrix3f& blocks_per_mm() const { return blocks_per_mm_; }
+
   /// World place to block coordinates, as floats.
-  const Eigen::Affine3f& blocks_from_ct() const { return blocks_from_ct_; }
+  const Eigen::Affine3f& blocks_from_ct() const { return frame_.blocks_from_ct; }
   /// How far the nearest visible block is, in blocks in the sense of the largest coordinate; 0 if
   /// this one is visible. The block must be within [0, size()).
   int DistanceOf(const Eigen::Array3i& block) const noexcept {
-    return distance_[static_cast<std::size_t>((block[2] * size_[1] + block[1]) * size_[0] +
+    const Eigen::Array3i& size = frame_.size;
+    return distance_[static_cast<std::size_t>((block[2] * size[1] + block[1]) * size[0] +
                                               block[0])];
   }
-  const Eigen::Array3i& size() const { return size_; }
+  const Eigen::Array3i& size() const { return frame_.size; }
   /// DistanceOf, i fastest; 3 more bytes may be read. @pre something is visible.
   const std::uint8_t* distances() const noexcept { return distance_.data(); }
   /// Box of the patient at rest, CT space; the whole volume if nothing is visible.
@@ -47,15 +72,6 @@ class VisibleBlocks {
   bool nothing_visible() const { return visible_.empty(); }
 
  private:
-  struct RestBlock {
-    Eigen::Array3i at;
-    std::size_t range = 0;  ///< First of its ranges in ranges_mm_.
-  };
-  struct Range {
-    Eigen::Array3f low_mm;
-    Eigen::Array3f high_mm;
-  };
-
   /// How far a block's content goes, in blocks.
   struct Shift {
     Eigen::Array3f low;
@@ -65,10 +81,9 @@ class VisibleBlocks {
   void FindVisible(const volume::CtVolume& ct, const TransferFunction& transfer,
                    const TissueClasses& classes);
   void FindRanges(const volume::CtVolume& ct, const breathing::MotionField& field);
-  Range RangeNow(const RestBlock& block, const breathing::MotionWeights& weights) const;
-  Shift ShiftOf(const RestBlock& block, const breathing::MotionMap* motion,
+  static Range RangeNow(const Range* of_components, const breathing::MotionWeights& weights);
+  Shift ShiftOf(const Range* of_components, const breathing::MotionMap* motion,
                 const Eigen::Array3f& reach) const;
-  void Resize(const Eigen::Array3i& margin_blocks);
   void Mark(const Eigen::Array3i& low, const Eigen::Array3i& high);
   void SpreadDistance();
 
@@ -76,13 +91,12 @@ class VisibleBlocks {
   Eigen::Array3i voxels_per_block_;
   Eigen::Matrix3f blocks_per_mm_;
   Eigen::Array3i rest_size_;
-  std::vector<RestBlock> visible_;
+  std::vector<Eigen::Array3i> visible_;
   int num_components_ = 0;
-  std::vector<Range> ranges_mm_;  ///< num_components_ for each of visible_.
+  std::vector<Range> ranges_mm_;        ///< num_components_ for each of visible_.
+  std::vector<Range> whole_ranges_mm_;  ///< By component, of all of them.
 
-  Eigen::Array3i margin_ = Eigen::Array3i::Constant(-1);  ///< Blocks around those of the volume.
-  Eigen::Array3i size_ = Eigen::Array3i::Zero();
-  Eigen::Affine3f blocks_from_ct_ = Eigen::Affine3f::Identity();
+  BlockFrame frame_;
   std::vector<std::uint8_t> distance_;
   bool still_ = false;  ///< distance_ is that of the patient at rest, for step_mm_.
   double step_mm_ = 0.0;

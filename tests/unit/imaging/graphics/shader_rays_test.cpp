@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <gmock/gmock.h>
+#include <random>
 #include <thread>
 
 #include "acus/data/volume/labels.h"
@@ -199,6 +200,136 @@ TEST(ShaderRays, ATissueHasItsOwnFunction) {
                    .layers = {{"liver", 1.0}, {"muscle", 0.2}},
                    .surfaces = {},
                    .labels = labels});
+}
+
+/// Every branch of the shaders, each with a probability: projections, layers, surfaces that are
+/// opaque or not, breath, pressed tissue, cuts, tools with and without an image, supersampling.
+struct RandomScene {
+  explicit RandomScene(unsigned seed) : random(seed), field(FieldOf(DiaphragmMm, 24)) {
+    if (Chance(0.3)) settings.rays.projection = volume_rendering::Projection::kMaximum;
+    if (Chance(0.3)) settings.supersampling = 2;
+    settings.tool_shadows = Chance(0.7);
+    settings.rays.tool_shine = Chance(0.5) ? 0.35 : 0.0;
+    const char* layers[] = {"skin", "bone", "soft_tissue"};
+    patient = Trunk({{layers[random() % 3], Chance(0.5) ? 1.0 : 0.4}}, &field);
+    for (int n = 0; n < 3; ++n) {
+      patient.surfaces.push_back({"ball " + std::to_string(n),
+                                  BallSurface(Place(80.0), Between(10.0, 40.0), 24),
+                                  Eigen::Array3f(0.9F, 0.3F * static_cast<float>(n), 0.4F),
+                                  Chance(0.3) ? 1.0 : Between(0.1, 0.9)});
+    }
+    motion.emplace(testing_support::At(field, Chance(0.6) ? Between(0.2, 1.2) : 0.0));
+    moment.motion = &*motion;
+    if (Chance(0.5)) Press();
+    if (Chance(0.4)) moment.cuts = {volume_rendering::CutPlane(-Vector3d::UnitY(), Place(40.0))};
+    if (Chance(0.7)) {
+      moment.needle = image::NeedleInImage{Place(40.0), Vector3d(0.1, 1, 0.2).normalized(), 200, 1};
+    }
+    if (Chance(0.7)) AddProbe();
+  }
+  using Vector3d = Eigen::Vector3d;
+  double Between(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  }
+  bool Chance(double share) { return Between(0.0, 1.0) < share; }
+  Vector3d Place(double within_mm) {
+    return {Between(-within_mm, within_mm), Between(-within_mm, within_mm),
+            Between(-within_mm, within_mm)};
+  }
+  void Press() {
+    const Vector3d middle_mm(Between(-20, 20), -100.0, Between(-20, 20));
+    const Eigen::AlignedBox3d box(middle_mm - Vector3d::Constant(70.0),
+                                  middle_mm + Vector3d::Constant(70.0));
+    pressed = PressedTissue(
+        box, 5.0,
+        [&](const Vector3d& x, const Vector3d&) -> Vector3d {
+          const double far_2 = (x - middle_mm).squaredNorm() / 300.0;
+          return x - 8.0 * std::exp(-0.5 * far_2) * Vector3d::UnitY();
+        },
+        1);
+    moment.pressed = &pressed;
+  }
+  void AddProbe() {
+    moment.probe.emplace();
+    moment.probe->probe = &probe;
+    moment.probe->ct_from_probe.translation() << Between(-20, 20), -130, Between(-20, 20);
+    if (!Chance(0.5)) return;
+    const image::ImageGeometry size = acoustics::ImageOf(probe);
+    b_mode.Resize(size.width_px, size.height_px);
+    for (std::size_t n = 0; n < b_mode.pixels.size(); ++n) {
+      b_mode.pixels[n] = static_cast<std::uint8_t>((n / 7) % 256);
+    }
+    moment.probe->b_mode = &b_mode;
+  }
+
+  std::mt19937 random;
+  breathing::MotionField field;
+  std::optional<breathing::MotionMap> motion;
+  PressedTissue pressed;
+  acoustics::Probe probe = acoustics::DefaultProbe();
+  image::GrayImage b_mode;
+  PatientInView patient;
+  ViewMoment moment;
+  ViewSettings settings;
+};
+
+TEST(ShaderRays, RandomScenesAreThoseOfTheProcessor) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    SCOPED_TRACE(seed);
+    const RandomScene scene(seed);
+    const Camera camera = SideCamera(96, 72);
+    ExpectSameImage(ByShader(scene.patient, scene.moment, camera, scene.settings),
+                    OnProcessor(scene.patient, scene.moment, camera, scene.settings));
+  }
+}
+
+// More translucent surfaces on a ray than lists begin with, and fewer again.
+TEST(ShaderRays, ListsGrowToWhatAnImageNeeds) {
+  PatientInView patient = Ball("bone");
+  for (int n = 0; n < 8; ++n) {
+    patient.surfaces.push_back({"shell", BallSurface({0, 0, 0}, 30.0 + 8.0 * n, 24),
+                                Eigen::Array3f(0.2F, 0.1F * static_cast<float>(n), 0.8F), 0.2});
+  }
+  PatientView view(patient, {});
+  view.UseDevice(MakeShaderRays(DriverKind::kAny));
+  for (const auto& [width, height] : {std::pair{40, 30}, {120, 90}, {40, 30}}) {
+    const Camera camera = SideCamera(width, height);
+    ViewImage image;
+    view.Render(camera, {}, image, 1);
+    ExpectSameImage(image, OnProcessor(patient, {}, camera));
+  }
+}
+
+// Tissue and fields stay on the card: with each image it gets tools and the moment.
+TEST(ShaderRays, SendLittleForAnImage) {
+  const auto field = FieldOf(DiaphragmMm, 32, 2);
+  PatientInView patient = Ball("skin", &field);
+  patient.surfaces = {{"ball", BallSurface({0, 0, 0}, 40.0, 100), {0.9F, 0.3F, 0.2F}, 0.5}};
+  const acoustics::Probe probe = acoustics::DefaultProbe();
+  ViewMoment moment;
+  moment.needle = image::NeedleInImage{{0, 0, 0}, Eigen::Vector3d(0, 1, 0.2).normalized(), 220, 1};
+  moment.probe.emplace();
+  moment.probe->probe = &probe;
+  moment.probe->ct_from_probe.translation() << 10, -130, 20;
+  PatientView view(patient, {});
+  auto card = MakeShaderRays(DriverKind::kAny);
+  const volume_rendering::RayDevice& device = *card;
+  view.UseDevice(std::move(card));
+  ViewImage image;
+  std::uint64_t before = 0;
+  for (int n = 0; n < 3; ++n) {
+    const auto motion = testing_support::At(field, 0.1 + 0.2 * n);
+    moment.motion = &motion;
+    view.Render(SideCamera(32, 24), moment, image, 1);
+    const std::uint64_t bytes = device.bytes_sent() - before;
+    before += bytes;
+    if (n == 0) {
+      EXPECT_GT(bytes, 2'000'000U);
+    } else {
+      EXPECT_LT(bytes, 64U << 10);
+      EXPECT_GT(bytes, 1000U);
+    }
+  }
 }
 
 TEST(ShaderRays, TakeAnotherSizeEachTime) {

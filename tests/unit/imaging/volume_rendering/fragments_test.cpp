@@ -1,6 +1,7 @@
 #include "acus/imaging/volume_rendering/fragments.h"
 
 #include <gtest/gtest.h>
+#include <vector>
 
 namespace acus::volume_rendering {
 namespace {
@@ -24,7 +25,8 @@ struct TexturedSquare {
     }
   }
 
-  FragmentLists Draw() const {
+  /// What is met in one pixel.
+  std::vector<Fragment> At(int column, int row) const {
     const Drawing drawing{.nodes_mm = &nodes,
                           .triangles = &triangles,
                           .closed = false,
@@ -32,22 +34,26 @@ struct TexturedSquare {
                           .texture_at = &texture_at};
     TriangleBands bands;
     bands.Sort(camera, {&drawing, 1}, 1);
-    return bands.DrawAll({}, nullptr, 1);
+    TriangleBands::Band band;
+    bands.Draw(row / TriangleBands::kRows, {}, nullptr, band);
+    std::vector<Fragment> met;
+    const int in_band = row % TriangleBands::kRows * camera.width_px + column;
+    TriangleBands::Append(band, static_cast<std::size_t>(in_band), met);
+    return met;
   }
 };
 
 TEST(Fragments, ATextureLiesWhereItsNodesAre) {
   for (const bool columns : {true, false}) {
     const TexturedSquare square(columns);
-    const FragmentLists lists = square.Draw();
     int drawn = 0;
-    for (int pixel = 0; pixel < 64 * 64; ++pixel) {
-      const auto first = lists.first[static_cast<std::size_t>(pixel)];
-      if (first == lists.first[static_cast<std::size_t>(pixel) + 1]) continue;
+    for (int pixel = 0; pixel < 64 * 64; pixel += 3) {
+      const std::vector<Fragment> met = square.At(pixel % 64, pixel / 64);
+      if (met.empty()) continue;
       const Eigen::Vector3d ray = square.camera.DirectionInCt({pixel % 64, pixel / 64});
       const Eigen::Vector3d at = 500.0 / ray.y() * ray;
       const double place = 0.5 + (columns ? at.x() : -at.z()) / 80.0;
-      EXPECT_NEAR(lists.fragments[first].colour[0], 200.0 * place / 255.0, 1e-3) << pixel;
+      EXPECT_NEAR(met.front().colour[0], 200.0 * place / 255.0, 1e-3) << pixel;
       ++drawn;
     }
     EXPECT_GT(drawn, 100);

@@ -257,11 +257,14 @@ class FailingDevice final : public RayDevice {
  public:
   explicit FailingDevice(int num_good) : left_(num_good) {}
   std::string name() const override { return "stand-in"; }
-  void Cast(const VolumeScene&, const RaySettings&, const Camera& camera, const FragmentLists&,
-            std::vector<std::uint8_t>& rgba) override {
+  void Load(const VolumeScene&, const breathing::MotionField*) override {}
+  void Render(const VolumeScene&, const DeviceImage&, std::span<std::uint8_t> rgb,
+              std::span<std::uint8_t> coverage) override {
     ACUS_REQUIRE(left_-- > 0, "the card was reset");
-    rgba.assign(4 * static_cast<std::size_t>(camera.width_px * camera.height_px), 255);
+    std::ranges::fill(rgb, std::uint8_t{255});
+    std::ranges::fill(coverage, std::uint8_t{255});
   }
+  std::uint64_t bytes_sent() const override { return 0; }
 
  private:
   int left_;

@@ -62,8 +62,9 @@ struct Everything {
     scene.lattice = &lattice;
     scene.light.to_lamp = Eigen::Vector3f(-0.4F, -0.7F, 0.6F).normalized();
     const mesh::Surface tool = testing_support::BallSurface({-60, -180, 60}, 25.0, 12);
-    shadows.Begin(scene.light.to_lamp, Eigen::AlignedBox3f(Eigen::Vector3f(-85, -205, 35),
-                                                           Eigen::Vector3f(-35, -155, 85)));
+    shadows.Begin(ShadowMap::FrameOf(
+        scene.light.to_lamp,
+        Eigen::AlignedBox3f(Eigen::Vector3f(-85, -205, 35), Eigen::Vector3f(-35, -155, 85))));
     shadows.Add(tool.nodes_mm.cast<float>(), tool.triangles);
     scene.shadows = &shadows;
     for (const float mm : {640.0F, 690.0F, 690.5F, 760.0F}) {

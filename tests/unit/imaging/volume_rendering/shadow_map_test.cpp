@@ -7,6 +7,9 @@ namespace {
 
 using Eigen::Vector3f;
 
+const ShadowFrame kFrame = ShadowMap::FrameOf(
+    Vector3f::UnitZ(), Eigen::AlignedBox3f(Vector3f(-20, -20, 50), Vector3f(20, 20, 50)));
+
 /// A square plate 50 mm above the ground, the lamp straight above.
 ShadowMap Plate() {
   Eigen::Matrix3Xf nodes(3, 4);
@@ -14,7 +17,7 @@ ShadowMap Plate() {
   Eigen::Matrix3Xi triangles(3, 2);
   triangles << 0, 0, 1, 2, 2, 3;
   ShadowMap map;
-  map.Begin(Vector3f::UnitZ(), Eigen::AlignedBox3f(Vector3f(-20, -20, 50), Vector3f(20, 20, 50)));
+  map.Begin(kFrame);
   map.Add(nodes, triangles);
   return map;
 }
@@ -39,7 +42,7 @@ TEST(ShadowMap, TheSoftEdgesLieAtTheEdgesOfTheTool) {
       lit_mm += 0.01 * map.LitAt((15.0F + 0.01F * (static_cast<float>(n) + 0.5F)) * out);
     }
     // Within half a cell.
-    EXPECT_NEAR(lit_mm, 5.0, 0.5 * map.mm_per_cell() + 0.01) << out.transpose();
+    EXPECT_NEAR(lit_mm, 5.0, 0.5 * kFrame.mm_per_cell + 0.01) << out.transpose();
   }
 }
 
