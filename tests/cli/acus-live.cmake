@@ -153,3 +153,6 @@ acus_add_cli_case(acus-live.check_camera_model_is_missing EXIT 3 NEEDS inputs LE
   BEFORE "sed 's#\"needle\":#\"camera\": {\"place\": \"folder:.\", \"model\": \"cameras/none.json\", \"facets\": \"facets/training.json\"}, &#' ${CMAKE_SOURCE_DIR}/configs/devices/virtual.json > d.json"
   STDERR "cameras/none.json: no such file"
   COMMAND acus-live $INPUTS/scenario.json --devices d.json --headless ${live_patient} --check)
+acus_add_cli_case(acus-live.graphics EXIT 0 LEAVES_NOTHING
+  STDOUT "^(graphics: .*OpenGL [4-9]|processor: no graphics card .*); (the processor )?renders the volume view"
+  COMMAND acus-live --graphics)

@@ -7,6 +7,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/text_table.h"
+#include "acus/imaging/graphics/gl_context.h"
 #include "acus/run/live/image_server.h"
 #include "acus/run/replay/replay.h"
 #include "acus/window/session_series.h"
@@ -49,6 +50,16 @@ void AddSessionOptions(CLI::App& app, Options& options) {
                "Exchange the devices of needle and probe that the devices file names");
 }
 
+/// What `--volume-rays auto` chooses on this computer.
+std::string GraphicsText() {
+  try {
+    const graphics::GlContext card(graphics::DriverKind::kHardware);
+    return "graphics: " + card.Description() + "; renders the volume view";
+  } catch (const InputError& error) {
+    return std::string("processor: ") + error.what() + "; the processor renders the volume view";
+  }
+}
+
 void AddWindowOptions(CLI::App& app, Options& options) {
   app.add_flag("--headless", options.headless,
                "Without a window; otherwise there must be a display");
@@ -60,6 +71,10 @@ void AddWindowOptions(CLI::App& app, Options& options) {
                  "card, where there is one")
       ->check(CLI::IsMember({"auto", "processor", "graphics"}))
       ->capture_default_str();
+  app.add_flag_callback(
+         "--graphics", [] { throw CLI::CallForVersion(GraphicsText(), 0); },
+         "Print the graphics card, its driver and memory, and whether it renders the volume view")
+      ->trigger_on_parse();
   app.add_option("--trainer-views", options.console.trainer_views,
                  "A second window with these views, for a trainer; move it to another screen");
   app.add_option("--screenshot", options.console.screenshot,

@@ -35,9 +35,31 @@ bool ComputesOnProcessor(const DeviceFunctions& egl, EGLDeviceEXT device) {
          std::string_view(extensions).find("EGL_MESA_device_software") != std::string_view::npos;
 }
 
-std::string RendererName() {
-  const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-  return name == nullptr ? "" : name;
+std::string DriverText(GLenum name) {
+  const auto* text = reinterpret_cast<const char*>(glGetString(name));
+  return text == nullptr ? "" : text;
+}
+
+/// Memory of the card, MB; 0 if the driver has neither GL_NVX_gpu_memory_info nor GL_ATI_meminfo.
+int MemoryMb() {
+  constexpr GLenum kNvidiaTotalKb = 0x9048;
+  constexpr GLenum kAmdFreeTextureKb = 0x87FC;
+  GLint count = 0;
+  glGetIntegerv(GL_NUM_EXTENSIONS, &count);
+  for (GLint n = 0; n < count; ++n) {
+    const std::string_view extension =
+        reinterpret_cast<const char*>(glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(n)));
+    std::array<GLint, 4> kb{};
+    if (extension == "GL_NVX_gpu_memory_info") {
+      glGetIntegerv(kNvidiaTotalKb, kb.data());
+    } else if (extension == "GL_ATI_meminfo") {
+      glGetIntegerv(kAmdFreeTextureKb, kb.data());
+    } else {
+      continue;
+    }
+    return kb[0] / 1024;
+  }
+  return 0;
 }
 
 }  // namespace
@@ -90,7 +112,7 @@ bool GlContext::Open(void* display) {
     Close();
     return false;
   }
-  renderer_ = RendererName();
+  renderer_ = DriverText(GL_RENDERER);
   return true;
 }
 
@@ -105,6 +127,12 @@ void GlContext::Close() {
 
 GlContext::~GlContext() {
   Close();
+}
+
+std::string GlContext::Description() const {
+  const int memory_mb = MemoryMb();
+  return renderer_ + ", OpenGL " + DriverText(GL_VERSION) +
+         (memory_mb > 0 ? ", " + std::to_string(memory_mb) + " MB" : "");
 }
 
 void GlContext::Check(const char* what) const {

@@ -21,6 +21,8 @@ class GlContext {
 
   /// As the driver calls itself.
   const std::string& renderer() const { return renderer_; }
+  /// One line: the card, OpenGL and the driver, and the card's memory where the driver says it.
+  std::string Description() const;
 
   /// @throws InputError naming `what` if OpenGL reported an error since the last call, or the
   ///     context is lost: the card was reset, or its driver has ended.

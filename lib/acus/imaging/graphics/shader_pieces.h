@@ -1,5 +1,5 @@
-// Parts of more than one shader, in the language of graphics cards. Bindings of textures and buffers
-// are those of Unit and Binding.
+// Parts of more than one shader, in the language of graphics cards. Bindings of textures and
+// buffers are those of Unit and Binding.
 #pragma once
 
 namespace acus::graphics::glsl {

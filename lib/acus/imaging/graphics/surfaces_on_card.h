@@ -23,7 +23,17 @@ enum Unit : unsigned {
   kOpaqueDistance,
   kGreyImage
 };
-enum Binding : unsigned { kIntegral, kValue, kCuts, kHeads, kNodes, kPixels, kColours, kCoverage, kNumNodes };
+enum Binding : unsigned {
+  kIntegral,
+  kValue,
+  kCuts,
+  kHeads,
+  kNodes,
+  kPixels,
+  kColours,
+  kCoverage,
+  kNumNodes
+};
 
 /// Belongs to one context, and to the thread in which that is current.
 class SurfacesOnCard {
@@ -36,7 +46,8 @@ class SurfacesOnCard {
   void Draw(const volume_rendering::DeviceImage& image);
   /// For the shader that casts the rays.
   void Bind() const;
-  /// After the rays were cast. @return false if the lists had too few nodes: the image is not whole, and the
+  /// After the rays were cast. @return false if the lists had too few nodes: the image is not
+  /// whole, and the
   ///     next Begin() makes room.
   bool HadRoom();
 
