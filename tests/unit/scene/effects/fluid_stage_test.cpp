@@ -62,7 +62,7 @@ class Puncture {
   /// One sample at 1 kHz, with the tip at a depth.
   Activity Step(double z_mm) {
     breathing::ToolAtRest needle;
-    needle.ct_from_tool = Eigen::Translation3d(0.0, 0.0, z_mm);
+    needle.ct_from_tool = Eigen::Translation3d(0.0, 0.0, z_mm) * turn_;
     const volume::Label label = LabelAt(z_mm);
     const double plunger_n = session_n_;
     PortValues ports;
@@ -79,6 +79,8 @@ class Puncture {
   void Hold(double seconds) {
     for (int i = 0; i < static_cast<int>(1000.0 * seconds); ++i) Step(z_mm_);
   }
+  void MoveTo(double z_mm) { z_mm_ = z_mm; }
+  void Turn(const Eigen::Quaterniond& turn) { turn_ = turn; }
   void PressBySession(double force_n) { session_n_ = force_n; }
 
   double Column(FluidColumn column) const { return columns_[static_cast<std::size_t>(column)]; }
@@ -92,6 +94,7 @@ class Puncture {
   std::array<double, static_cast<std::size_t>(FluidColumn::kCount)> columns_{};
   double z_mm_ = -2.0;
   double session_n_ = 0.0;
+  Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();
   int steps_ = 0;
 };
 
@@ -189,6 +192,25 @@ TEST(FluidStage, ADepotIsDarkEnhancesWhatIsBehindAndDisplacesTissueByItsVolume) 
   const double displaced_mm3 = 4.0 / 3.0 * M_PI * (std::pow(r_mm, 3) - std::pow(rest_r_mm, 3));
   EXPECT_GT(injected_mm3, 500.0);
   EXPECT_NEAR(displaced_mm3, injected_mm3, 0.1 * injected_mm3);  // Some is absorbed meanwhile.
+}
+
+// Layers of a depot are those that the needle met there, whatever is injected elsewhere later.
+TEST(FluidStage, EachDepotKeepsItsNormal) {
+  Puncture puncture(0.0, Thumb::kSession);
+  puncture.AdvanceTo(Puncture::kFatMm + 1.0);
+  puncture.PressBySession(40.0);
+  puncture.Hold(0.3);  // Fat takes the syringe's content in a second.
+  ASSERT_EQ(puncture.state().num_depots, 1);
+  const ShownDepot in_fat = puncture.state().depot[0];
+  puncture.PressBySession(0.0);
+  puncture.Turn(Eigen::Quaterniond(Eigen::AngleAxisd(1.2, Vector3d::UnitX())));
+  puncture.MoveTo(10.0);
+  puncture.PressBySession(40.0);
+  puncture.Hold(10.0);
+  ASSERT_EQ(puncture.state().num_depots, 2);
+  for (const ShownDepot& depot : {puncture.state().depot[0], puncture.state().depot[1]}) {
+    EXPECT_EQ(depot.normal_in_ct == in_fat.normal_in_ct, depot.row == in_fat.row);
+  }
 }
 
 }  // namespace

@@ -120,6 +120,8 @@ void FluidStage::Count(FluidStageState& state, int row, const Vector3d& tip_mm) 
 }
 
 void FluidStage::KeepDepots(FluidStageState& state, const Vector3d& axis_in_ct) const noexcept {
+  const auto before = state.depot;
+  const auto end = before.begin() + state.num_depots;
   state.num_depots = 0;
   const auto& tissues = model_->table().tissues;
   for (std::size_t row = 1; row < tissues.size() && state.num_depots < kMostShownDepots; ++row) {
@@ -127,9 +129,10 @@ void FluidStage::KeepDepots(FluidStageState& state, const Vector3d& axis_in_ct) 
     if (there.liquid_ml + there.air_ml < kLeastDepotMl) continue;
     const fluid::Depot depot = fluid::DepotOf(tissues[row], there);
     ShownDepot& shown = state.depot[static_cast<std::size_t>(state.num_depots++)];
-    const bool is_new = shown.width_radius_mm == 0.0;
+    const auto kept = std::find_if(before.begin(), end, [&](const auto& d) { return d.row == row; });
+    shown.row = row;
+    shown.normal_in_ct = kept == end ? ArrayOf(axis_in_ct) : kept->normal_in_ct;
     shown.centre_in_ct_mm = there.centre_mm;
-    if (is_new) shown.normal_in_ct = ArrayOf(axis_in_ct);
     shown.width_radius_mm = depot.width_radius_mm;
     shown.thickness_radius_mm = depot.thickness_radius_mm;
     const double displaced_mm3 = 1000.0 * std::max(0.0, depot.liquid_ml + depot.air_ml);

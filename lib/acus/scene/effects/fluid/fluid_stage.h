@@ -53,6 +53,7 @@ struct ShownDepot {
   double displaced_radius_mm = 0.0;  ///< Radius of a sphere of the displaced volume.
   double wet_share = 0.0;
   double air_ml = 0.0;
+  std::size_t row = 0;  ///< Tissue or space, in fluid::FluidTable::tissues.
 };
 inline constexpr int kMostShownDepots = 4;
 
