@@ -109,20 +109,28 @@ class SceneReader {
     return found == nodes_.end() ? nullptr : found->second;
   }
 
-  /// The transform to parent in RAS: from its file (exact), or else from the scene (six digits).
-  std::optional<Eigen::Matrix4d> Matrix(const core::XmlElement& transform) const {
-    const auto file = StorageFile(transform);
-    if (file && file->ends_with(".h5")) {
-      const std::string label = files_.label + ": " + *file;
-      return transforms::RasToParentFromItk(
-          transforms::ReadItkAffine(files_.read(*file, kMaxTransformBytes), label), label);
+  /// The transforms to parent in RAS: from their files (exact), or else from the scene (six
+  /// digits). Only nodes that are linear transforms have one.
+  std::vector<std::optional<Eigen::Matrix4d>> Matrices(
+      const std::vector<const core::XmlElement*>& nodes) const {
+    std::vector<std::optional<Eigen::Matrix4d>> matrices;
+    std::vector<std::size_t> places;
+    std::vector<transforms::ItkTransformSource> files;
+    for (const core::XmlElement* node : nodes) {
+      const auto file = StorageFile(*node);
+      const bool has_file = file && file->ends_with(".h5");
+      if (has_file) {
+        places.push_back(matrices.size());
+        files.push_back({files_.label + ": " + *file,
+                         [this, name = *file] { return files_.read(name, kMaxTransformBytes); }});
+      }
+      matrices.push_back(has_file ? std::nullopt : MatrixInScene(*node));
     }
-    const auto text = transform.Attribute("matrixTransformToParent");
-    if (!text) return {};
-    const auto numbers = NumbersOf(*text);
-    ACUS_REQUIRE(numbers && numbers->size() == 16, files_.label, ": matrixTransformToParent of ",
-                 transform.Attribute("name").value_or("?"), " is not 16 finite numbers");
-    return Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers->data());
+    const auto read = transforms::ReadItkAffines(files);
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      matrices[places[i]] = transforms::RasToParentFromItk(read[i], files[i].label);
+    }
+    return matrices;
   }
 
   /// The scene of the sequence's own bundle.
@@ -136,6 +144,15 @@ class SceneReader {
   }
 
  private:
+  std::optional<Eigen::Matrix4d> MatrixInScene(const core::XmlElement& transform) const {
+    const auto text = transform.Attribute("matrixTransformToParent");
+    if (!text) return {};
+    const auto numbers = NumbersOf(*text);
+    ACUS_REQUIRE(numbers && numbers->size() == 16, files_.label, ": matrixTransformToParent of ",
+                 transform.Attribute("name").value_or("?"), " is not 16 finite numbers");
+    return Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers->data());
+  }
+
   std::optional<std::string> StorageFile(const core::XmlElement& node) const {
     const auto id = node.Attribute("storageNodeRef");
     const core::XmlElement* storage = id ? Node(*id) : nullptr;
@@ -152,7 +169,8 @@ class SceneReader {
 /// indexValues="node1:0.068;node2:0.245;...": which node was recorded when.
 std::vector<TimedMatrix> ReadSequence(const core::XmlElement& sequence, const SceneReader& scene,
                                       const SceneReader& bundle) {
-  std::vector<TimedMatrix> entries;
+  std::vector<std::int64_t> times_ns;
+  std::vector<const core::XmlElement*> nodes;
   const std::string name = sequence.Attribute("name").value_or("?");
   const std::string unit = sequence.Attribute("indexUnit").value_or("s");
   ACUS_REQUIRE(unit == "s", scene.label(), ": the sequence ", name, " counts in '", unit,
@@ -170,9 +188,14 @@ std::vector<TimedMatrix> ReadSequence(const core::XmlElement& sequence, const Sc
     const core::XmlElement* node = bundle.Node(entry.substr(0, colon));
     ACUS_REQUIRE(node != nullptr, bundle.label(), ": has no node ", entry.substr(0, colon),
                  ", which the sequence ", name, " names");
-    const auto matrix = bundle.Matrix(*node);
-    if (!matrix) return {};  // Not a sequence of linear transforms.
-    entries.push_back({*time_ns, *matrix});
+    times_ns.push_back(*time_ns);
+    nodes.push_back(node);
+  }
+  std::vector<TimedMatrix> entries;
+  const auto matrices = bundle.Matrices(nodes);
+  for (std::size_t i = 0; i < matrices.size(); ++i) {
+    if (!matrices[i]) return {};  // Not a sequence of linear transforms.
+    entries.push_back({times_ns[i], *matrices[i]});
   }
   // The list follows the order of recording, but nothing in the format says so.
   std::ranges::stable_sort(entries, {}, &TimedMatrix::time_ns);
@@ -222,7 +245,8 @@ SlicerScene ReadSlicerScene(const fs::path& path) {
     const auto frames = transforms::ParseTransformName(name);
     // Slicer shows a recorded transform through a node of the same name: its present value.
     if (!frames || scene.sequences.contains(name)) continue;
-    if (const auto matrix = reader.Matrix(element)) scene.fixed.Set(*frames, *matrix, true);
+    if (const auto matrix = reader.Matrices({&element}).front())
+      scene.fixed.Set(*frames, *matrix, true);
   }
   ACUS_REQUIRE(!scene.sequences.empty(), path.string(),
                ": has no recorded transforms with time stamps. Give the scene (.mrml) that the "

@@ -3,9 +3,12 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <hdf5.h>
+#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "acus/base/core/child_process.h"
 #include "acus/base/core/error.h"
 
 namespace acus::transforms {
@@ -121,10 +124,7 @@ class TransformFile {
   Handle file_;
 };
 
-}  // namespace
-
-std::vector<ItkTransform> ReadItkTransforms(std::span<const std::uint8_t> bytes,
-                                            const std::string& label) {
+std::vector<ItkTransform> ReadHere(std::span<const std::uint8_t> bytes, const std::string& label) {
   const TransformFile file(bytes, label);
   std::vector<ItkTransform> transforms;
   while (file.HasTransform(transforms.size())) {
@@ -142,7 +142,7 @@ std::vector<ItkTransform> ReadItkTransforms(std::span<const std::uint8_t> bytes,
   return transforms;
 }
 
-Eigen::Matrix4d ReadItkAffine(std::span<const std::uint8_t> bytes, const std::string& label) {
+Eigen::Matrix4d FirstAffine(std::span<const std::uint8_t> bytes, const std::string& label) {
   const TransformFile file(bytes, label);
   const auto p = file.Numbers(0, "Parameters");
   const auto c = file.Numbers(0, "FixedParameters");
@@ -155,6 +155,52 @@ Eigen::Matrix4d ReadItkAffine(std::span<const std::uint8_t> bytes, const std::st
   affine.topRightCorner<3, 1>() =
       Eigen::Vector3d(p[9], p[10], p[11]) + centre - affine.topLeftCorner<3, 3>() * centre;
   return affine;
+}
+
+/// What `work` returns as JSON. In a separate process, as libhdf5 crashes on some damaged files,
+/// and allocates what others declare.
+nlohmann::json FromChild(const std::string& label, const std::function<nlohmann::json()>& work) {
+  core::ChildLimits limits;
+  limits.memory_bytes = 1e9;
+  const core::ChildResult result = core::RunInChild([&] { return work().dump(); }, limits);
+  if (result.end == core::ChildResult::End::kThrew) throw InputError(result.problem);
+  ACUS_REQUIRE(result.end == core::ChildResult::End::kDone, label,
+               ": cannot be read; the file is damaged (", result.problem, ")");
+  return nlohmann::json::parse(result.bytes);
+}
+
+}  // namespace
+
+std::vector<ItkTransform> ReadItkTransforms(std::span<const std::uint8_t> bytes,
+                                            const std::string& label) {
+  const nlohmann::json read = FromChild(label, [&] {
+    auto transforms = nlohmann::json::array();
+    for (const ItkTransform& t : ReadHere(bytes, label)) {
+      transforms.push_back({t.type, t.parameters, t.fixed});
+    }
+    return transforms;
+  });
+  std::vector<ItkTransform> transforms;
+  for (const auto& t : read)
+    transforms.push_back({.type = t[0], .parameters = t[1], .fixed = t[2]});
+  return transforms;
+}
+
+std::vector<Eigen::Matrix4d> ReadItkAffines(const std::vector<ItkTransformSource>& files) {
+  if (files.empty()) return {};
+  const nlohmann::json read = FromChild(files.front().label, [&] {
+    auto matrices = nlohmann::json::array();
+    for (const ItkTransformSource& file : files) {
+      const Eigen::Matrix4d affine = FirstAffine(file.read(), file.label);
+      matrices.push_back(std::vector<double>(affine.data(), affine.data() + affine.size()));
+    }
+    return matrices;
+  });
+  std::vector<Eigen::Matrix4d> affines;
+  for (const std::vector<double> numbers : read) {
+    affines.emplace_back(Eigen::Map<const Eigen::Matrix4d>(numbers.data()));
+  }
+  return affines;
 }
 
 Eigen::Matrix4d RasToParentFromItk(const Eigen::Matrix4d& lps_from_parent,
