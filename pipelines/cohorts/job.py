@@ -50,8 +50,9 @@ def title(file):
     """What is punctured, from where, and why that was chosen, by the truth.json of a scene."""
     with open(file, encoding="utf-8") as stream:
         insertion = json.load(stream)["insertion"]
-    text = f"Puncture of {insertion['target']}, {insertion['length_mm']:.0f} mm deep"
+    text = f"{insertion['title']}, {insertion['length_mm']:.0f} mm deep"
     text += f", {insertion['window']}" if insertion["window"] else ""
+    text += f". In the image: {insertion['image']['text']}" if insertion["image"] else ""
     return text + (f". Chosen: {insertion['reason']}" if insertion["reason"] else "")
 
 

@@ -1,6 +1,7 @@
 #include "acus/patient/phantom/patient_folder.h"
 
 #include <cmath>
+#include <optional>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/config/pose_json.h"
@@ -113,6 +114,16 @@ void WarnWithoutBone(const InsertionPlan& plan, const RunContext& context) {
   context.Warn("no bone lies near the path: the session is made without touching bone");
 }
 
+/// Where the volume's border takes the place of the skin.
+constexpr const char* kNoSkin =
+    ". The CT shows no skin there: its border takes the place of the skin";
+
+void WarnOfView(const SceneChoice& choice, const RunContext& context) {
+  if (!choice.view || choice.view->target >= 0.5) return;
+  context.Warn(Message("the probe does not see the target: in the image are ",
+                       ViewText(*choice.view), ". Another --target or --window may be better"));
+}
+
 /// The settings' parameters, each varied by its spread.
 forces::CurveParameters Varied(const ForceCurveSettings& settings, std::uint64_t seed, int index) {
   RandomStream random(seed, "parameters of force curve " + settings.name,
@@ -179,9 +190,10 @@ std::string WritePatient(const std::filesystem::path& folder, const PhantomConfi
   const Vector3d target = anatomy.Landmark(config.insertion.target) + config.insertion.offset_mm;
   const InsertionPlan plan = PlanToTarget(field, target, config.insertion, context);
   WarnWithoutBone(plan, context);
-  Insertion insertion = WriteInsertion(
-      out.path(), field, plan, {.target = config.insertion.target, .window = "", .reason = ""},
-      config, context);
+  Insertion insertion =
+      WriteInsertion(out.path(), field, plan,
+                     {.title = "", .target = config.insertion.target, .window = "", .reason = ""},
+                     config, context);
   Json& truth = insertion.truth;
   truth["force_curves"] = WriteForceCurves(out.path() / "force_curves", config, context);
   const Scan scan = RenderScan(anatomy, config.grid, config.scanner, context);
@@ -202,22 +214,32 @@ std::string WriteScene(const std::filesystem::path& folder, const volume::LabelM
                        const PhantomConfig& config, const RunContext& context,
                        const SceneRequest& request) {
   AtomicFolder out(folder, context.overwrite);
-  const auto insert = [&](LabelMapField::Beyond beyond) {
-    const LabelMapField field(labels, beyond);
-    const ScenePlan plan = PlanScene(labels, field, config.insertion, request, context);
-    if (plan.touches_bone) WarnWithoutBone(plan.insertion, context);
-    return WriteInsertion(out.path(), field, plan.insertion, plan.choice, config, context);
-  };
-  Insertion insertion;
+  const LabelMapField inside(labels), up_to_border(labels, LabelMapField::Beyond::kAir);
+  const LabelMapField* field = &inside;
+  std::optional<ScenePlan> plan;
+  std::string no_skin;
   try {
-    insertion = insert(LabelMapField::Beyond::kSame);
+    plan = PlanScene(labels, inside, config.insertion, request, context);
+    if (plan->is_soft_tissue) no_skin = "no structure is reached from the skin that the CT shows";
   } catch (const NoAnswerError& error) {
     // A window is on skin that is there, or nowhere.
     if (!IsCut(labels) || !request.window.empty()) throw;
-    context.Warn(Message(error.what(), ". Where the volume's border cuts the body, it now takes ",
-                         "the place of the skin"));
-    insertion = insert(LabelMapField::Beyond::kAir);
+    no_skin = error.what();
   }
+  if (!no_skin.empty() && IsCut(labels)) {
+    ScenePlan other = PlanScene(labels, up_to_border, config.insertion, request, context);
+    if (!plan || !other.is_soft_tissue) {
+      context.Warn(Message(no_skin, ". Where the volume's border cuts the body, it now takes ",
+                           "the place of the skin"));
+      plan = std::move(other);
+      plan->choice.reason += kNoSkin;
+      field = &up_to_border;
+    }
+  }
+  WarnOfView(plan->choice, context);
+  if (plan->touches_bone) WarnWithoutBone(plan->insertion, context);
+  const Insertion insertion =
+      WriteInsertion(out.path(), *field, plan->insertion, plan->choice, config, context);
   config::WriteJson(out.path() / "truth.json", insertion.truth);
   config::WriteJson(out.path() / "provenance.json", context.provenance.ToJson());
   out.Commit();

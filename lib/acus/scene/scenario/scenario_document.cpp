@@ -7,6 +7,7 @@
 #include "acus/base/core/error.h"
 #include "acus/base/core/input_file.h"
 #include "acus/scene/effects/effect_list.h"
+#include "acus/scene/scenario/scenario.h"
 
 namespace acus::scenario {
 namespace {
@@ -75,6 +76,20 @@ void AddPathsOfEffects(effects::PathKind kind, std::vector<std::string>& pointer
   }
 }
 
+/// Whether the schema of scenarios has a text, and nothing else, at a place.
+bool IsText(const std::string& pointer) {
+  const json schema = ScenarioSchema();
+  const json* node = &schema;
+  json::json_pointer rest(pointer);
+  std::vector<std::string> steps;
+  for (; !rest.empty(); rest.pop_back()) steps.push_back(rest.back());
+  for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
+    if (!node->contains("properties") || !node->at("properties").contains(*step)) return false;
+    node = &node->at("properties").at(*step);
+  }
+  return node->value("type", json()) == "string";
+}
+
 /// A path relative to `folder`, made absolute.
 std::string Absolute(const fs::path& path, const fs::path& folder) {
   return fs::absolute(folder / path).lexically_normal().string();
@@ -96,6 +111,9 @@ Override ParseOverride(const std::string& text) {
                  "protect them from the shell by single quotes");
     value = raw;
   }
+  // A part of a UID or a name may look like a number.
+  const bool looks_otherwise = value.is_number() || value.is_boolean();
+  if (looks_otherwise && IsText(text.substr(0, equals))) value = raw;
   return {text.substr(0, equals), value};
 }
 

@@ -16,8 +16,9 @@ struct Override {
   nlohmann::json value;
 };
 
-/// Parses "/pointer=value". The value is JSON, or else a string; "null" removes the key, which
-/// switches an effect off. @throws InputError if there is no '=' or no leading '/'.
+/// Parses "/pointer=value". The value is JSON, or else a string, as are numbers where a scenario
+/// has a text (a part of a series UID); "null" removes the key, which switches an effect off.
+/// @throws InputError if there is no '=' or no leading '/'.
 Override ParseOverride(const std::string& text);
 
 /// The file with changes applied, as it stands: not checked, defaults not filled in. Of changes,

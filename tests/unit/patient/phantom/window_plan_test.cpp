@@ -97,6 +97,7 @@ TEST(WindowPlan, TransverseIsAcrossTheBack) {
 TEST(WindowPlan, IntercostalIsBetweenTwoRibsAndParallelToThem) {
   const WindowPlan plan = Requested("", "intercostal");
   ExpectSoundPlan(plan, "liver");
+  EXPECT_TRUE(plan.view.IsGood()) << ViewText(plan.view);
   const RibShadow shadow(WindowPatient::Get().field, plan.insertion.entry_ct_mm,
                          SkinNormal(WindowPatient::Get().field, plan.insertion.entry_ct_mm));
   EXPECT_TRUE(shadow.IsBetweenRibs());
@@ -124,6 +125,13 @@ TEST(WindowPlan, FlankGoesToTheKidneyOfTheSideFromTheBack) {
 TEST(WindowPlan, ShortestIsNotLongerThanTheUsualWindow) {
   const double shortest_mm = Requested("liver", "shortest").insertion.length_mm();
   EXPECT_LE(shortest_mm, Requested("liver", "").insertion.length_mm() + 1.0);
+}
+
+TEST(WindowPlan, TheProbeSeesTargetAndNeedle) {
+  for (const char* target : {"kidney_left", "kidney_right", "spinal_canal"}) {
+    const WindowPlan plan = Requested(target, "");
+    EXPECT_TRUE(plan.view.IsGood()) << target << ": " << ViewText(plan.view);
+  }
 }
 
 TEST(WindowPlan, SaysWhatIsInBetweenAndWhichWindowsAreFree) {
@@ -182,8 +190,46 @@ TEST(ScenePlan, TakesASpinalCanalWhereThereIsNoLiver) {
   const LabelMapField field(labels);
   const ScenePlan plan = PlanScene(labels, field, Preset("scene").insertion, {}, {});
   EXPECT_EQ(field.LabelAt(plan.insertion.target_ct_mm), volume::LabelOf("spinal_canal"));
-  EXPECT_THAT(plan.choice.reason, HasSubstr("spinal_canal is reached through its usual window"));
+  EXPECT_THAT(plan.choice.window, HasSubstr("paramedian"));
+  EXPECT_THAT(plan.choice.reason, HasSubstr("not labelled: liver, kidney"));
+  // Without names of vertebrae it may be anywhere in the spine.
+  EXPECT_EQ(plan.choice.title, "Puncture of the spinal canal, at a level without a name");
   EXPECT_TRUE(plan.touches_bone);
+}
+
+/// The window patient without organs, and the levels of its spine with three names.
+ScenePlan SpinalScene(const std::vector<std::string>& names, const std::string& target) {
+  volume::LabelMap labels = WindowPatient::Get().labels;
+  for (volume::Label& label : labels.voxels) {
+    for (const char* organ : {"liver", "lesion", "kidney", "gallbladder"})
+      if (label == volume::LabelOf(organ)) label = volume::LabelOf("soft_tissue");
+  }
+  const Anatomy anatomy(Preset("liver").body, 1);
+  const Vector3d middle = anatomy.Landmark("disc_L3L4");
+  const Vector3d step = 0.5 * (anatomy.Landmark("disc_L4L5") - anatomy.Landmark("disc_L2L3"));
+  std::string rows = "name,whole,x_mm,y_mm,z_mm,volume_ml\n";
+  for (std::size_t n = 0; n < names.size(); ++n) {
+    const Vector3d at = middle + (static_cast<double>(n) - 1.5) * step;
+    rows += Message(names[n], ",1,", at.x(), ",", at.y(), ",", at.z(), ",40\n");
+  }
+  const testing_support::TemporaryFolder folder;
+  WriteTextFile(folder / "vertebrae.csv", rows);
+  const LabelMapField field(labels);
+  return PlanScene(labels, field, Preset("scene").insertion,
+                   {.target = target, .window = "", .vertebrae = folder / "vertebrae.csv"}, {});
+}
+
+TEST(ScenePlan, IsALumbarPunctureOnlyAtANamedLumbarLevel) {
+  for (const char* target : {"", "spinal_canal"}) {
+    EXPECT_EQ(SpinalScene({"L2", "L3", "L4", "L5"}, target).choice.title,
+              "Lumbar puncture at L3-L4");
+    EXPECT_THAT(
+        SpinalScene({"vertebra_1", "vertebra_2", "vertebra_3", "vertebra_4"}, target).choice.title,
+        testing::StartsWith("Puncture of the spinal canal"));
+  }
+  // The same place, where its names are those of the chest.
+  EXPECT_THAT(SpinalScene({"T10", "T11", "T12", "L1"}, "").choice.title,
+              testing::StartsWith("Puncture of the spinal canal"));
 }
 
 TEST(ScenePlan, LooksForAKnownTargetWithTheSettingsOfARequestedOne) {
@@ -219,7 +265,7 @@ TEST(ScenePlan, GoesIntoAShoulderOnlyIfTheTrunkHasNoPath) {
   fill(120.0);
   const ScenePlan beside = target_of();
   EXPECT_GT(std::abs(beside.insertion.target_ct_mm.x()), 60.0);
-  EXPECT_EQ(beside.choice.reason, "no path in the trunk is free");
+  EXPECT_THAT(beside.choice.reason, HasSubstr("no path in the trunk is free"));
 }
 
 }  // namespace

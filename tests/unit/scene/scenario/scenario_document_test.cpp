@@ -47,6 +47,16 @@ TEST(ScenarioDocument, DecidesForEveryTextWhetherItIsAPath) {
   EXPECT_EQ(places, no_paths);
 }
 
+TEST(ScenarioDocument, DigitsAreTextWhereTheScenarioHasAText) {
+  EXPECT_EQ(ParseOverride("/patient/series=978824805941").value, "978824805941");
+  EXPECT_EQ(ParseOverride("/patient/series=1.20").value, "1.20");
+  EXPECT_EQ(ParseOverride("/name=true").value, "true");
+  EXPECT_EQ(ParseOverride("/name=\"7\"").value, "7");
+  EXPECT_EQ(ParseOverride("/image_rate_hz=12").value, 12);
+  EXPECT_EQ(ParseOverride("/effects/ultrasound/needle=false").value, false);
+  EXPECT_TRUE(ParseOverride("/patient/series=null").value.is_null());
+}
+
 TEST(ScenarioDocument, FindsItsFilesFromAnotherFolder) {
   setenv("ACUS_CONFIGS", (fs::path(ACUS_SOURCE_DIR) / "configs").c_str(), 1);
   const testing_support::TemporaryFolder temporary;

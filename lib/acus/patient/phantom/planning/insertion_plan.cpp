@@ -7,6 +7,7 @@
 #include "acus/base/math/angles.h"
 #include "acus/base/math/rigid.h"
 #include "acus/data/volume/labels.h"
+#include "acus/patient/phantom/planning/image_view.h"
 
 namespace acus::phantom {
 namespace {
@@ -14,7 +15,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kBorderMm = 8.0;  ///< Entry points this near to the volume's border are not used.
-constexpr double kProbeAheadMm = 32.0;   ///< Where a probe would lie, seen from the entry.
 constexpr double kProbeAcrossMm = 24.0;  ///< How far it is swept to either side.
 constexpr double kShortestMm = 20.0;     ///< A search that finds nothing longer ends here.
 
@@ -83,6 +83,11 @@ double TissueCost(const PatientField& field, const InsertionPlan& plan,
   return off_trunk + end_cost + 30.0 * fat / std::max(steps, 1) + 1.0 * hidden + 0.5 * missing;
 }
 
+/// In the same points, 0 for an image that shows all.
+double ImageCost(const ImageView& view) {
+  return 10.0 * (4.0 - view.Score());
+}
+
 struct Candidate {
   double cost = std::numeric_limits<double>::infinity();
   std::optional<InsertionPlan> plan;
@@ -110,7 +115,8 @@ void TryEntry(const PatientField& field, const PlanSettings& settings, const Bod
         if (cost >= best.cost || !PathIsFree(field, entry, plan.target_ct_mm, settings)) continue;
         if (!uneven) uneven = ProbeUnevennessMm(field, plan);
         if (!*uneven || cost + 1.5 * **uneven >= best.cost) continue;
-        best = {cost + 1.5 * **uneven, plan};
+        const double seen_cost = cost + 1.5 * **uneven + ImageCost(ViewOf(field, plan));
+        if (seen_cost < best.cost) best = {seen_cost, plan};
       }
     }
   }

@@ -11,6 +11,9 @@
 
 namespace acus::phantom {
 
+/// Where a probe would lie, seen from the entry, along the heading.
+inline constexpr double kProbeAheadMm = 32.0;
+
 struct PlanSettings {
   std::string target;                                   ///< Landmark, or empty: to be searched for.
   Eigen::Vector3d offset_mm = Eigen::Vector3d::Zero();  ///< Added to the landmark.
@@ -68,7 +71,8 @@ InsertionPlan PlanToTarget(const PatientField& field, const Eigen::Vector3d& tar
                            const PlanSettings& settings, const RunContext& context);
 
 /// The best of many paths all around the body: into the liver or a lesion if one can be reached,
-/// otherwise deep into soft tissue, in plane with a probe on flat skin over a window. With `frame`,
+/// otherwise deep into soft tissue, in plane with a probe on flat skin that sees target and needle.
+/// With `frame`,
 /// shoulders, arms and neck only if no path in the trunk is free.
 /// @throws NoAnswerError if there is none.
 InsertionPlan PlanAnywhere(const PatientField& field, const PlanSettings& settings,

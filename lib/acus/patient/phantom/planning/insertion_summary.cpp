@@ -57,23 +57,29 @@ nlohmann::json ChoiceJson(const SceneChoice& choice, const std::vector<PathPart>
   for (const PathPart& part : parts) {
     through.push_back({{"tissue", part.tissue}, {"from_mm", part.from_mm}, {"to_mm", part.to_mm}});
   }
-  return {{"target", choice.target},
-          {"window", choice.window},
-          {"reason", choice.reason},
-          {"passes_through", through}};
+  nlohmann::json image = nullptr;
+  if (choice.view) {
+    image = {{"target_share", choice.view->target},
+             {"needle_share", choice.view->needle},
+             {"face_share", choice.view->face},
+             {"text", ViewText(*choice.view)}};
+  }
+  return {{"title", choice.title},   {"target", choice.target}, {"window", choice.window},
+          {"reason", choice.reason}, {"image", image},          {"passes_through", through}};
 }
 
 std::string InsertionText(const InsertionPlan& plan, const SceneChoice& choice,
                           const std::vector<PathPart>& parts, const ScriptedSession& session) {
   const double lean_deg =
       std::acos(std::clamp(-plan.direction.dot(plan.skin_normal), -1.0, 1.0)) / math::kRadPerDegree;
-  std::string text =
-      Message("Target: ", choice.target, ", at ", PointText(plan.target_ct_mm), "\n");
+  std::string text = choice.title.empty() ? "" : choice.title + "\n";
+  text += Message("Target: ", choice.target, ", at ", PointText(plan.target_ct_mm), "\n");
   if (!choice.reason.empty()) text += "Chosen: " + choice.reason + "\n";
   if (!choice.window.empty()) text += "Window: " + choice.window + "\n";
   text +=
       Message("Path: ", FixedText(plan.length_mm(), 1), " mm from ", PointText(plan.entry_ct_mm),
               ", ", FixedText(lean_deg, 0), " degrees off the skin's normal\n");
+  if (choice.view) text += "In the image: " + ViewText(*choice.view) + "\n";
   text += "Passes through: " + PartsText(parts) + "\n";
   text += "First attempt: " + FirstAttemptText(plan) + "\n";
   text += Message("Session: ", session.session.name, ", ",

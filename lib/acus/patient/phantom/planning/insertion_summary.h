@@ -2,10 +2,12 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "acus/patient/phantom/hands/session_script.h"
+#include "acus/patient/phantom/planning/image_view.h"
 #include "acus/patient/phantom/planning/insertion_plan.h"
 
 namespace acus::phantom {
@@ -25,15 +27,17 @@ std::vector<PathPart> TissuesAlong(const PatientField& field, const InsertionPla
 
 /// Why a scene has its target: all for people.
 struct SceneChoice {
-  std::string target;  ///< As "liver, 41.2 mm inside it".
-  std::string window;  ///< As "intercostal (between two ribs)"; may be empty.
-  std::string reason;  ///< Of a target that the program chose; may be empty.
+  std::string title;                   ///< As "Lumbar puncture at L3-L4".
+  std::string target;                  ///< As "liver, 41.2 mm inside it".
+  std::string window;                  ///< As "intercostal (between two ribs)"; may be empty.
+  std::string reason;                  ///< Of a target that the program chose; may be empty.
+  std::optional<ImageView> view = {};  ///< What the probe sees, where that was found out.
 };
 
-/// `{structure, window, reason, passes_through}` for truth.json.
+/// `{title, target, window, reason, image, passes_through}` for truth.json.
 nlohmann::json ChoiceJson(const SceneChoice& choice, const std::vector<PathPart>& parts);
 
-/// Some lines: target, window, path, tissues, first attempt and session.
+/// Some lines: target, window, path, image, tissues, first attempt and session.
 std::string InsertionText(const InsertionPlan& plan, const SceneChoice& choice,
                           const std::vector<PathPart>& parts, const ScriptedSession& session);
 

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 
 #include "acus/patient/phantom/planning/approach_window.h"
-#include "acus/patient/phantom/planning/spinal_level.h"
 
 namespace acus::phantom {
 
@@ -16,10 +15,15 @@ void SceneRequest::AddOptions(CLI::App& app) {
       ->check(CLI::IsMember(WindowNames()));
 }
 
+std::vector<NamedLevel> SceneRequest::Levels() const {
+  return vertebrae.empty() ? std::vector<NamedLevel>() : ReadSpinalLevels(vertebrae);
+}
+
 void SceneRequest::FindVertebrae(const std::filesystem::path& labels_file, RunContext& context) {
-  if (!NamesSpinalLevel(target)) return;
-  vertebrae = labels_file.parent_path() / "vertebrae.csv";
-  ReadSpinalLevel(target, vertebrae);
+  const std::filesystem::path beside = labels_file.parent_path() / "vertebrae.csv";
+  if (NamesSpinalLevel(target)) ReadSpinalLevel(target, beside);
+  if (!std::filesystem::exists(beside)) return;
+  vertebrae = beside;
   context.provenance.AddInput(vertebrae);
 }
 

@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "acus/base/core/run_context.h"
+#include "acus/patient/phantom/planning/spinal_level.h"
 
 namespace CLI {
 class App;
@@ -18,15 +20,18 @@ struct SceneRequest {
   /// of the spine such as "L3-L4".
   std::string target = {};
   std::string window = {};               ///< A name of WindowNames().
-  std::filesystem::path vertebrae = {};  ///< vertebrae.csv of acus-segment; for heights.
+  std::filesystem::path vertebrae = {};  ///< vertebrae.csv of acus-segment, or empty; for heights.
+
+  /// The levels of `vertebrae`; none without it.
+  std::vector<NamedLevel> Levels() const;
 
   bool empty() const { return target.empty() && window.empty(); }
 
   /// --target and --window.
   void AddOptions(CLI::App& app);
 
-  /// If the target is a height of the spine: takes the vertebrae.csv beside the label map, which
-  /// becomes an input of the provenance. @throws InputError if it does not have that height.
+  /// Takes the vertebrae.csv beside the label map, if there is one; it becomes an input of the
+  /// provenance. @throws InputError if the target is a height of the spine that it does not have.
   void FindVertebrae(const std::filesystem::path& labels_file, RunContext& context);
 };
 

@@ -19,6 +19,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kMaxPoints = 24;
+constexpr std::size_t kPointsOfLevel = 8;  ///< Where levels are a choice of the program.
 constexpr double kPointSpacingMm = 10.0;
 constexpr double kLevelSpacingMm = 3.0;   ///< Of points at one height of the spine.
 constexpr double kLeastDepthShare = 0.3;  ///< Of the greatest depth: no points in thin ends.
@@ -241,6 +242,20 @@ SceneTarget FindLevelTarget(const volume::LabelMap& labels, const BodyFrame& fra
                ": the label map has no spinal canal at that height; do vertebrae.csv and the label "
                "map belong together?");
   return target;
+}
+
+void PutLumbarFirst(const volume::LabelMap& labels, const BodyFrame& frame,
+                    std::span<const NamedLevel> levels, int num_threads, SceneTarget& target) {
+  std::vector<TargetPoint> lumbar;
+  const segmentation::Mask canal = MaskOf(labels, StructureOf(labels, target.structure), frame);
+  for (const std::string_view name : LumbarPunctureLevels()) {
+    const auto level = std::ranges::find(levels, name, &NamedLevel::name);
+    if (level == levels.end()) continue;
+    auto points = DeepestPoints(canal, &level->level, kLevelSpacingMm, num_threads);
+    points.resize(std::min(points.size(), kPointsOfLevel));
+    lumbar.insert(lumbar.end(), points.begin(), points.end());
+  }
+  target.points.insert(target.points.begin(), lumbar.begin(), lumbar.end());
 }
 
 }  // namespace acus::phantom

@@ -1,6 +1,7 @@
 // Where the needle of a scene is to end: a structure of the label map, or a point.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,5 +44,9 @@ SceneTarget FindSceneTarget(const volume::LabelMap& labels, const PatientField& 
 /// @throws InputError if the map has no canal there.
 SceneTarget FindLevelTarget(const volume::LabelMap& labels, const BodyFrame& frame,
                             const std::string& name, const SpinalLevel& level, int num_threads);
+
+/// Puts points at the named levels of LumbarPunctureLevels() before the others of a spinal canal.
+void PutLumbarFirst(const volume::LabelMap& labels, const BodyFrame& frame,
+                    std::span<const NamedLevel> levels, int num_threads, SceneTarget& target);
 
 }  // namespace acus::phantom

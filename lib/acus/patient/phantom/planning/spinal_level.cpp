@@ -1,7 +1,7 @@
 #include "acus/patient/phantom/planning/spinal_level.h"
 
 #include <algorithm>
-#include <vector>
+#include <array>
 
 #include "acus/base/core/csv.h"
 #include "acus/base/core/error.h"
@@ -26,26 +26,45 @@ bool NamesSpinalLevel(std::string_view target) {
          std::string_view("+-.0123456789").find(target.front()) == std::string_view::npos;
 }
 
+std::vector<NamedLevel> ReadSpinalLevels(const fs::path& vertebrae_csv) {
+  const CsvTable table(vertebrae_csv);
+  const std::vector<std::string> names = table.Texts("name");
+  const std::vector<double> x = table.Numbers("x_mm");
+  const std::vector<double> y = table.Numbers("y_mm");
+  const std::vector<double> z = table.Numbers("z_mm");
+  std::vector<NamedLevel> levels;
+  for (std::size_t n = 0; n + 1 < names.size(); ++n) {
+    const SpinalLevel level{{x[n], y[n], z[n]}, {x[n + 1], y[n + 1], z[n + 1]}};
+    ACUS_REQUIRE((level.lower_ct_mm - level.upper_ct_mm).norm() > 1.0, table.Where(n + 1),
+                 ": lies at the same place as the vertebra above it");
+    levels.push_back({names[n] + "-" + names[n + 1], level});
+  }
+  return levels;
+}
+
+std::span<const std::string_view> LumbarPunctureLevels() {
+  static constexpr std::array<std::string_view, 4> kLevels = {"L3-L4", "L4-L5", "L2-L3", "L5-S1"};
+  return kLevels;
+}
+
+std::string LevelNameAt(std::span<const NamedLevel> levels, const Eigen::Vector3d& point_ct_mm) {
+  const auto at = std::ranges::find_if(levels, [&](const NamedLevel& level) {
+    const double share = level.level.ShareAt(point_ct_mm);
+    return share >= 0.0 && share < 1.0;
+  });
+  return at == levels.end() ? std::string() : at->name;
+}
+
 SpinalLevel ReadSpinalLevel(const std::string& target, const fs::path& vertebrae_csv) {
   ACUS_REQUIRE(fs::exists(vertebrae_csv), "--target ", target, ": the height of vertebrae is read ",
                "from ", vertebrae_csv.string(), ", which does not exist; acus-segment writes it ",
                "beside the label map where it finds a spine");
-  const CsvTable table(vertebrae_csv);
-  const std::vector<std::string> names = table.Texts("name");
-  const std::size_t dash = target.find('-');
-  const auto upper = std::ranges::find(names, target.substr(0, dash));
-  ACUS_REQUIRE(
-      upper != names.end() && upper + 1 != names.end() && *(upper + 1) == target.substr(dash + 1),
-      "--target ", target, ": ", vertebrae_csv.string(),
-      " has no such two vertebrae, the upper one first; from the head it has ", Joined(names));
-  const std::vector<double> x = table.Numbers("x_mm");
-  const std::vector<double> y = table.Numbers("y_mm");
-  const std::vector<double> z = table.Numbers("z_mm");
-  const auto n = static_cast<std::size_t>(upper - names.begin());
-  const SpinalLevel level{{x[n], y[n], z[n]}, {x[n + 1], y[n + 1], z[n + 1]}};
-  ACUS_REQUIRE((level.lower_ct_mm - level.upper_ct_mm).norm() > 1.0, table.Where(n + 1),
-               ": lies at the same place as the vertebra above it");
-  return level;
+  const std::vector<NamedLevel> levels = ReadSpinalLevels(vertebrae_csv);
+  const auto at = std::ranges::find(levels, target, &NamedLevel::name);
+  ACUS_REQUIRE(at != levels.end(), "--target ", target, ": ", vertebrae_csv.string(),
+               " has no such two vertebrae, the upper one first; from the head it has ",
+               Joined(CsvTable(vertebrae_csv).Texts("name")));
+  return at->level;
 }
 
 }  // namespace acus::phantom

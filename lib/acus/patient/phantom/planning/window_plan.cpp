@@ -15,8 +15,11 @@ using Eigen::Vector3d;
 
 constexpr double kRayStepMm = 1.0;
 constexpr double kRingStepRad = 2.5 * math::kRadPerDegree;
-constexpr double kMaxUnevenMm = 16.0;  ///< A probe rests on skin that is no more uneven.
-constexpr double kMinLean = 0.1;       ///< Of the needle towards the probe: sine of the angle.
+constexpr double kMaxUnevenMm = 16.0;   ///< A probe rests on skin that is no more uneven.
+constexpr double kMinLean = 0.1;        ///< Of the needle towards the probe: sine of the angle.
+constexpr int kMostTried = 12;          ///< Paths to a point after the first free one.
+constexpr std::size_t kMostPoints = 8;  ///< Of the target, after the first that can be reached.
+constexpr double kLeastGain = 0.1;      ///< Of the image's score over a path that comes first.
 
 /// Unit directions around an axis, in rings from it outwards.
 std::vector<Vector3d> Directions(const Approach& approach) {
@@ -76,7 +79,12 @@ class Search {
          const PlanSettings& settings, Refusals& refusals)
       : field_(field), frame_(frame), window_(window), settings_(settings), refusals_(refusals) {}
 
-  std::optional<InsertionPlan> To(const Vector3d& target) const {
+  struct Seen {
+    InsertionPlan plan;
+    ImageView view;
+  };
+
+  std::optional<Seen> To(const Vector3d& target) const {
     std::vector<OutwardRay> free;
     for (const Approach& approach : window_.approaches(frame_.Side(target))) {
       for (const Vector3d& out : Directions(approach)) {
@@ -89,14 +97,23 @@ class Search {
         }
       }
     }
-    if (window_.name == "shortest") std::ranges::stable_sort(free, {}, &OutwardRay::reach_mm);
+    const bool is_shortest = window_.name == "shortest";
+    if (is_shortest) std::ranges::stable_sort(free, {}, &OutwardRay::reach_mm);
+    std::optional<Seen> best;
+    int tried = 0;
     for (const OutwardRay& ray : free) {
+      if (best && ++tried > kMostTried) break;
       InsertionPlan plan;
       const std::string reason = Complete(target, ray, plan);
-      if (reason.empty()) return plan;
-      ++refusals_[reason];
+      if (!reason.empty()) {
+        ++refusals_[reason];
+        continue;
+      }
+      const ImageView view = ViewOf(field_, plan);
+      if (!best || view.Score() > best->view.Score() + kLeastGain) best = Seen{plan, view};
+      if (is_shortest || best->view.IsGood()) break;
     }
-    return std::nullopt;
+    return best;
   }
 
  private:
@@ -158,7 +175,8 @@ std::string ReasonText(const std::string& reason, const PlanSettings& settings) 
   return "meet " + reason;
 }
 
-/// "61 % meet bone, 20 % meet lung and ...", the most frequent reasons first.
+}  // namespace
+
 std::string RefusalText(const Refusals& refusals, const PlanSettings& settings) {
   std::vector<std::pair<int, std::string>> order;
   int all = 0;
@@ -175,6 +193,8 @@ std::string RefusalText(const Refusals& refusals, const PlanSettings& settings) 
   }
   return text;
 }
+
+namespace {
 
 std::string OtherWindows(const PatientField& field, const BodyFrame& frame,
                          const SceneTarget& target, const std::vector<const ApproachWindow*>& tried,
@@ -200,6 +220,20 @@ std::string RequestedStructure(const SceneRequest& request, const volume::LabelM
   return structure;
 }
 
+SceneTarget RequestedTarget(const volume::LabelMap& labels, const PatientField& field,
+                            const BodyFrame& frame, const SceneRequest& request,
+                            const std::string& structure, const RunContext& context) {
+  if (NamesSpinalLevel(structure)) {
+    return FindLevelTarget(labels, frame, structure, ReadSpinalLevel(structure, request.vertebrae),
+                           context.num_threads);
+  }
+  SceneTarget target = FindSceneTarget(labels, field, frame, structure, context.num_threads);
+  if (structure == "spinal_canal") {
+    PutLumbarFirst(labels, frame, request.Levels(), context.num_threads, target);
+  }
+  return target;
+}
+
 std::string OrganOf(const SceneTarget& target) {
   return target.passable.size() > 1 ? TissueName(target.passable.back()) : std::string();
 }
@@ -213,29 +247,30 @@ std::optional<WindowPlan> PlanThroughWindows(const PatientField& field, const Bo
                                              const RunContext& context, Refusals* refusals) {
   const PlanSettings permitting = Permitting(settings, target);
   Refusals unused;
+  std::optional<WindowPlan> best;
   for (const ApproachWindow* window : windows) {
+    if (best && (best->view.IsGood() || window->name == "shortest")) break;
     const Search search(field, frame, *window, permitting, refusals ? *refusals : unused);
     const std::vector<TargetPoint> points = InOrder(target, frame, *window);
-    for (std::size_t n = 0; n < points.size(); ++n) {
+    std::size_t later = 0;
+    for (std::size_t n = 0; n < points.size() && !(best && best->view.IsGood()); ++n) {
+      if (best && ++later > kMostPoints) break;
       context.Checkpoint("path", static_cast<double>(n) / static_cast<double>(points.size()));
-      auto plan = search.To(points[n].point_ct_mm);
-      if (!plan) continue;
-      if (window->is_spinal) FindBone(field, permitting, *plan);
-      return WindowPlan{*plan, window, points[n]};
+      const auto found = search.To(points[n].point_ct_mm);
+      if (!found || (best && found->view.Score() <= best->view.Score() + kLeastGain)) continue;
+      best = WindowPlan{found->plan, window, points[n], found->view};
+      if (window->name == "shortest") break;
     }
   }
-  return std::nullopt;
+  if (best && best->window->is_spinal) FindBone(field, permitting, best->insertion);
+  return best;
 }
 
 WindowPlan PlanAsRequested(const volume::LabelMap& labels, const PatientField& field,
                            const BodyFrame& frame, const SceneRequest& request,
                            const PlanSettings& settings, const RunContext& context) {
   const std::string structure = RequestedStructure(request, labels);
-  const SceneTarget target =
-      NamesSpinalLevel(structure)
-          ? FindLevelTarget(labels, frame, structure, ReadSpinalLevel(structure, request.vertebrae),
-                            context.num_threads)
-          : FindSceneTarget(labels, field, frame, structure, context.num_threads);
+  const SceneTarget target = RequestedTarget(labels, field, frame, request, structure, context);
   const auto windows = request.window.empty() ? UsualWindows(target.structure, OrganOf(target))
                                               : std::vector{&WindowNamed(request.window)};
   Refusals refusals;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "acus/patient/phantom/planning/approach_window.h"
+#include "acus/patient/phantom/planning/image_view.h"
 #include "acus/patient/phantom/planning/insertion_plan.h"
 #include "acus/patient/phantom/planning/scene_request.h"
 #include "acus/patient/phantom/planning/scene_target.h"
@@ -19,16 +20,21 @@ struct WindowPlan {
   InsertionPlan insertion;
   const ApproachWindow* window;
   TargetPoint target;
+  ImageView view;
 };
 
-/// The first free path, windows in order, the points of the target in theirs (lumbar heights first
-/// for windows of the spine), directions from that of the window outwards; for "shortest" the
-/// shortest. `refusals`, if given, gets what was in between.
+/// The first free path with a good image, windows in order, the points of the target in theirs
+/// (lumbar heights first for windows of the spine), directions from that of the window outwards. If
+/// no image is good, the best one. "shortest" takes the shortest path, and after other windows only
+/// if they have none. `refusals`, if given, gets what was in between.
 std::optional<WindowPlan> PlanThroughWindows(const PatientField& field, const BodyFrame& frame,
                                              const SceneTarget& target,
                                              const std::vector<const ApproachWindow*>& windows,
                                              const PlanSettings& settings,
                                              const RunContext& context, Refusals* refusals);
+
+/// "of 310 directions 61 % meet bone, 20 % meet lung": the most frequent reasons first.
+std::string RefusalText(const Refusals& refusals, const PlanSettings& settings);
 
 /// PlanThroughWindows for what was requested; without a window the usual ones, without a target the
 /// window's structure.
