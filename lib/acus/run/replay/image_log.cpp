@@ -155,7 +155,16 @@ class ImageWriter {
                     step->force.AxialN());
       line += text;
     }
-    screen_->Compose(MainImage(images), both ? &images.ct_slice : nullptr, line, composed_);
+    const std::optional<ultrasound::ScanExtent> scan = ScanAt(snapshot);
+    screen_->Compose(MainImage(images), both ? &images.ct_slice : nullptr, line, composed_,
+                     scan ? &*scan : nullptr);
+  }
+
+  std::optional<ultrasound::ScanExtent> ScanAt(const Snapshot& snapshot) const {
+    if (!snapshot.probe_valid || (scene_.ct == nullptr && scene_.labels == nullptr)) return {};
+    const volume::Geometry& geometry =
+        scene_.ct != nullptr ? scene_.ct->geometry : scene_.labels->geometry;
+    return ultrasound::ScanExtent{geometry.index_from_ct() * snapshot.ct_from_probe, geometry.size};
   }
 
   void WriteToFilm(const ProbeImages& images) {

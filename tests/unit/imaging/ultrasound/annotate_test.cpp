@@ -27,31 +27,78 @@ image::GrayImage Grey(std::uint8_t grey) {
   return image;
 }
 
+constexpr int kLeft = Screen::kScalePx;
+constexpr int kTop = Screen::kTextPx;
+
 TEST(Screen, TicksAreAtTheirDepth) {
   const Screen screen(AnnotateTestProbe(), Screen::Shows::kBMode);
   image::GrayImage out;
   screen.Compose(Grey(0), nullptr, "", out);
   // 0.2 mm per row: a tick each 25 rows, longer each second one.
   for (int r = 0; r < 301; ++r) {
-    EXPECT_EQ(out.At(1, r) > 0, r % 25 == 0) << r;
-    EXPECT_EQ(out.At(7, r) > 0, r % 50 == 0) << r;
+    if (r > 140 && r < 160) continue;  // The focus.
+    EXPECT_EQ(out.At(kLeft - 3, kTop + r) > 0, r % 25 == 0) << r;
+    EXPECT_EQ(out.At(kLeft - 8, kTop + r) > 0, r % 50 == 0) << r;
   }
-  EXPECT_GT(out.At(35, 150), 0);  // The focus, at 30 mm.
-  EXPECT_EQ(out.At(35, 125), 0);
+  EXPECT_GT(out.At(kLeft - 8, kTop + 147), 0);  // The focus, at 30 mm.
+  EXPECT_EQ(out.At(kLeft - 8, kTop + 122), 0);
 }
 
-TEST(Screen, PanelsKeepTheirPixelsWhereNothingIsDrawn) {
-  const Screen screen(AnnotateTestProbe(), Screen::Shows::kBoth);
-  image::GrayImage out;
+// Whatever is written, the images stay as they are.
+TEST(Screen, NothingIsDrawnOnTheImages) {
   const image::GrayImage slice = Grey(90);
-  screen.Compose(Grey(40), &slice, "", out);
-  EXPECT_EQ(out.width, 602);
-  EXPECT_EQ(out.height, 301);
-  EXPECT_EQ(out.At(150, 200), 40);
-  EXPECT_EQ(out.At(451, 200), 90);
-  // The marked side is shown by a circle at the right of each panel.
-  EXPECT_GT(out.At(301 - 1 - 12 + 5, 12), 100);
-  EXPECT_GT(out.At(602 - 1 - 12 + 5, 12), 100);
+  const image::GrayImage b_mode = Grey(40);
+  image::GrayImage out;
+  Screen(AnnotateTestProbe(), Screen::Shows::kBoth)
+      .Compose(b_mode, &slice, "  20.533 s    25.9 mm   0.65 N", out);
+  EXPECT_EQ(out.width, 2 * (kLeft + 301));
+  EXPECT_EQ(out.height, 301 + 2 * kTop);
+  for (int r = 0; r < 301; ++r) {
+    for (int c = 0; c < 301; ++c) {
+      ASSERT_EQ(out.At(kLeft + c, kTop + r), 40) << c << ", " << r;
+      ASSERT_EQ(out.At(2 * kLeft + 301 + c, kTop + r), 90) << c << ", " << r;
+    }
+  }
+  // A ring above the right of each panel is the marked side.
+  EXPECT_GT(out.At(kLeft + 301 - 1 - 12 + 5, kTop / 2), 100);
+  EXPECT_GT(out.At(2 * (kLeft + 301) - 1 - 12 + 5, kTop / 2), 100);
+}
+
+// A fan that is wider than high leaves rows of a square image black.
+TEST(Screen, TheSectorFillsTheFrame) {
+  acoustics::Probe probe = AnnotateTestProbe();
+  probe.kind = acoustics::ProbeKind::kCurvilinear;
+  probe.width_mm = 0.0;
+  probe.radius_mm = 60.0;
+  probe.field_of_view_rad = 1.05;
+  probe.depth_mm = 150.0;
+  const image::ImageGeometry geometry = acoustics::ImageOf(probe);
+  const Screen screen(probe, Screen::Shows::kBMode);
+  const double depth_px =
+      (probe.depth_mm - geometry.depth_of_top_row_mm) / geometry.axial_mm_per_px;
+  EXPECT_LT(depth_px, 250.0);
+  EXPECT_GE(screen.height_px() - 2 * kTop, static_cast<int>(depth_px) + 1);
+  EXPECT_LE(screen.height_px() - 2 * kTop, static_cast<int>(depth_px) + 5);
+}
+
+TEST(Screen, WhatLiesBeyondTheCtIsHatchedInTheSectorOnly) {
+  // Voxels of 1 mm: the CT ends 10 mm to the right of the probe's middle, and 40 mm deep.
+  const ScanExtent scan{Eigen::Affine3d(Eigen::Translation3d(89.5, 0.0, 5.0)), {100, 40, 10}};
+  acoustics::Probe probe = AnnotateTestProbe();
+  probe.width_mm = 50.0;  // Of the image's 60 mm.
+  image::GrayImage out;
+  Screen(probe, Screen::Shows::kBMode).Compose(Grey(0), nullptr, "", out, &scan);
+  const auto hatched = [&](int first_column, int end_column, int first_row, int end_row) {
+    int count = 0;
+    for (int r = first_row; r < end_row; ++r) {
+      for (int c = first_column; c < end_column; ++c) count += out.At(kLeft + c, kTop + r) > 0;
+    }
+    return count;
+  };
+  EXPECT_EQ(hatched(0, 200, 0, 196), 0);                      // In the CT.
+  EXPECT_NEAR(hatched(202, 270, 0, 196), 68 * 196 / 8, 40);   // To its right.
+  EXPECT_NEAR(hatched(30, 200, 200, 298), 170 * 98 / 8, 40);  // Below it.
+  EXPECT_EQ(hatched(277, 301, 0, 301), 0);                    // Beside the sector.
 }
 
 // A slice of the CT has neither focus nor gain.
@@ -60,17 +107,19 @@ TEST(Screen, ASliceAloneIsNotMarkedAsUltrasound) {
   image::GrayImage b_mode;
   Screen(AnnotateTestProbe(), Screen::Shows::kCtSlice).Compose(Grey(0), nullptr, "", slice);
   Screen(AnnotateTestProbe(), Screen::Shows::kBMode).Compose(Grey(0), nullptr, "", b_mode);
-  EXPECT_EQ(slice.width, 301);
-  EXPECT_EQ(slice.At(35, 150), 0);
-  EXPECT_GT(b_mode.At(35, 150), 0);
-  // Less is written, at the top right and below; the ring is the same.
+  EXPECT_EQ(slice.width, kLeft + 301);
+  EXPECT_EQ(slice.At(kLeft - 8, kTop + 147), 0);
+  EXPECT_GT(b_mode.At(kLeft - 8, kTop + 147), 0);
+  // Less is written, above and below; the ring is the same.
   const auto letters = [](const image::GrayImage& image, int from_row, int to_row) {
-    return std::count_if(image.pixels.begin() + from_row * 301, image.pixels.begin() + to_row * 301,
+    return std::count_if(image.pixels.begin() + from_row * image.width,
+                         image.pixels.begin() + to_row * image.width,
                          [](std::uint8_t grey) { return grey > 0; });
   };
-  EXPECT_LT(letters(slice, 0, 20), letters(b_mode, 0, 20));
-  EXPECT_LT(letters(slice, 285, 301), letters(b_mode, 285, 301));
-  EXPECT_EQ(slice.At(301 - 1 - 12 + 5, 12), b_mode.At(301 - 1 - 12 + 5, 12));
+  EXPECT_LT(letters(slice, 0, kTop), letters(b_mode, 0, kTop));
+  EXPECT_LT(letters(slice, kTop + 301, slice.height), letters(b_mode, kTop + 301, b_mode.height));
+  EXPECT_EQ(slice.At(kLeft + 301 - 1 - 12 + 5, kTop / 2),
+            b_mode.At(kLeft + 301 - 1 - 12 + 5, kTop / 2));
 }
 
 TEST(Screen, TextIsNotLeftOverFromTheFrameBefore) {
