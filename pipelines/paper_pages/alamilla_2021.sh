@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC2154 # Names of pipelines/papers.
-# Alamilla-2021 in the synthetic shoulder: one straight insertion and one that changes direction.
+# Alamilla-2021 in the synthetic shoulder: one straight insertion, one that changes direction, one through all tissues.
 page "Alamilla-2021: a virtual reality and haptic simulator for ultrasound-guided needle insertion"
 grid=2
 [[ -z $quick ]] || grid=3
@@ -19,12 +19,17 @@ for name in straight turned; do
   column "run_$name/forces.csv" cutting_n >"cutting_$name.csv"
   awk -F, 'NR > 1 { print $1 "," $2 }' "run_$name/forces.csv" >"depth_$name.csv"
 done
-plot figure_18.svg "Depth of the tip, after figures 16 to 18" "time [s]" "depth [mm]" \
+plot figure_18.svg "Depth of the tip, after figure 18" "time [s]" "depth [mm]" \
   straight=depth_straight.csv turned=depth_turned.csv
 plot figure_19.svg "Clamping force, after figure 19" "time [s]" "force across the path [N]" \
   straight=clamping_straight.csv turned=clamping_turned.csv
 plot figure_20.svg "Cutting and withdrawal force, after figure 20" "time [s]" "force [N]" \
   straight=cutting_straight.csv turned=cutting_turned.csv
+
+say "through all tissues of table II"
+# shellcheck source=/dev/null
+source "$root/pipelines/paper_pages/alamilla_2021_tissues.sh"
+through_all_tissues straight
 
 # Figures 14 and 15: a virtual hand goes 1.5 mm behind the skin, through a nick, and stays there.
 say "a hand at the wall of the skin, live, by the direct method and by the tracking wall"
@@ -43,42 +48,31 @@ for wall in direct tracking; do
     --set "/patient/ct_from_reference_file=$PWD/registration_straight/ct_from_reference.tfm" "${nick[@]}" "${no_images[@]}" \
     --set /effects/tissue=null --set "/effects/needle_force/wall=$wall" -o "live_$wall" --overwrite >/dev/null
   column "live_$wall/forces.csv" cutting_n | awk -F, -v from="$reached" '$1 > from + 1 && $1 < from + 1.5' >"wall_$wall.csv"
+  # As summary.json has it.
+  fact "chatter_${wall}_n" "$(sed -n 's/.*"needle_chatter_n": *\([-0-9.e]*\).*/\1/p' "live_$wall/summary.json")"
 done
-# chatter_of RUN: as summary.json has it.
-chatter_of() { sed -n 's/.*"needle_chatter_n": *\([-0-9.e]*\).*/\1/p' "$1/summary.json" | awk '{ printf "%.3f N", $1 }'; }
 plot figure_14.svg "A hand that rests at a wall of 1 N, after figures 14 and 15" "time [s]" "cutting force [N]" \
   direct_method=wall_direct.csv tracking_wall=wall_tracking.csv
 
+fact skin_n "$(awk -F, '$2 == "puncture" && !n { print $6; n = 1 }' run_straight/events.csv)"
+fact wall_force_n "$(sed -n 's/.*"tissue": "skin".*"cutting_n": \([0-9.]*\).*/\1/p' "$root/configs/forces/alamilla.json")"
+fact clamping_straight_n "$(number run_straight "largest lateral force")"
+fact clamping_turned_n "$(number run_turned "largest lateral force")"
+# In the last 5 mm of the way to the target: the needle advances on its new line.
+fact clamping_advancing_n "$(awk -F, 'NR > 1 { d[NR] = $2; c[NR] = $9; if ($2 > most) { most = $2; at = NR } }
+  END { for (i = at; i > 2 && d[i] > most - 5; --i) { s += c[i]; ++n } print s / n }' run_turned/forces.csv)"
+fact b_mode_ms "$(stage_ms run_turned B-mode)"
+fact images "$(runs_of run_turned B-mode)"
+fact step_us "$(step_us run_turned)"
+image_size_facts run_turned
 heading "Tables"
-table_begins
-# largest_in TISSUE: largest cutting force while the tip is in it, either session.
-largest_in() {
-  awk -F, -v tissue="$1" 'FNR == 1 { for (i = 1; i <= NF; ++i) if ($i == "cutting_n") c = i; next }
-    $3 == tissue && $c > most { most = $c } END { printf "%.2f N", most }' run_straight/forces.csv run_turned/forces.csv
-}
-row "Table II: skin" "1 N" "$(awk -F, '$2 == "puncture" && !n { printf "%.2f N", $6; n = 1 }' run_straight/events.csv)" \
-  "force at the puncture" "the polynomial of eq. 2 until table II's force"
-# Tissues that the two paths cross; fat is not in table II.
-row "Table II: muscle" "2 N" "$(largest_in muscle)" "largest cutting force in the deltoid" "the same: table II is the table of this preset"
-row "Table II: bursa" "1.5 N" "$(largest_in bursa)" "largest cutting force in the bursa" "1.5 mm of bursa: the wall of 0.25 N/mm keeps what it has of the muscle"
-row "Table II: tendon" "2.5 N" "$(largest_in tendon)" "largest cutting force in the tendon" "2 mm of tendon before bone: not enough travel at 0.25 N/mm to reach 2.5 N"
-row "Table II: bone" "4 N" "$(column run_turned/forces.csv bone_n | awk -F, '$2 > m { m = $2 } END { printf "%.2f N", m }')" \
-  "largest force of bone" "bounded by table II"
-row "clamping, straight" "a figure" "$(metric run_straight "largest lateral force")" "figure 19" "tremor of the scripted hand"
-row "clamping, turned" "larger" "$(metric run_turned "largest lateral force")" "figure 19" "falls when the turned needle advances, as in the paper"
-row "chatter of the direct method" "a figure" "$(chatter_of live_direct)" "figure 14; force above 30 Hz, live with a virtual hand" "a wall of 1 N at the skin, through a nick"
-row "chatter of the tracking wall" "attenuated" "$(chatter_of live_tracking)" "figure 15, the same hand" "0.25 N/mm, as the paper's 250 N/m"
-row "ultrasound image" "2 ms" "$(awk -v us="$(time_of run_turned B-mode)" 'BEGIN { printf "%.2g ms", us / 1000 }')" \
-  "labels of the shoulder, deformed, one core; the paper: a GeForce 1070 and up to 7,864,320 triangles" "voxels in place of triangles; bench_surfaces measures the scene of 7,864,320 triangles"
-row "force step" "-" "$(step_us run_turned) us" "all stages of a step" "the paper gives no time"
-table_ends
+for part in tissues forces speed; do table $part; done
 heading "Figures"
-figure figure_14.svg "Direct method and tracking wall (figures 14, 15), half a second of a live session with a virtual hand."
-figure figure_18.svg "Depth of the tip. The paper's trajectories are of an expert, ours of a scripted hand with tremor."
-figure figure_19.svg "Clamping: the force across the path. Arrows in the 3D view (figures 16, 17): force_arrow_mm_per_n of view_3d."
-figure figure_20.svg "Cutting (above 0) and withdrawal (below 0)."
+for number in 14 18 19 20; do figure figure_$number.svg figure_$number; done
+figure layers.svg layers
 last=$(find run_turned -name 'event_*.png' | sort | tail -n 1)
-figure "$last" "Ultrasound at the last event, deformed (figures 6, 7, 9, 10)."
-[[ ! -s run_turned/view_3d.png ]] || figure run_turned/view_3d.png "The pedagogical view (figures 4a, 7)."
+figure "$last" ultrasound
+[[ ! -s run_turned/view_3d.png ]] || figure run_turned/view_3d.png scene
+note missing
 heading "Effect plan"
 plan run_turned

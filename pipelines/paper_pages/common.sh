@@ -23,20 +23,37 @@ HTML
 }
 
 heading() { echo "<h2>$1</h2>" >>page.html; }
-note() { echo "<p>$1</p>" >>page.html; }
-table_begins() {
-  echo "<table><tr><th>quantity</th><th>the paper</th><th>Acus</th><th>on what</th><th>where they differ, and why</th></tr>" >>page.html
-}
-# row QUANTITY PAPER OURS ON WHY
-row() {
-  printf '<tr><td>%s</td><td>%s</td><td><b>%s</b></td><td>%s</td><td>%s</td></tr>\n' "$@" >>page.html
-  printf '%s,"%s","%s"\n' "$1" "$2" "$3" >>numbers.csv
-}
-table_ends() { echo "</table>" >>page.html; }
-# figure FILE CAPTION: an image beside the page.
+# fact KEY VALUE: what was measured or set, for the sentences of NAME.toml.
+fact() { printf '%s,"%s"\n' "$1" "$2" >>facts.csv; }
+rows() { /usr/bin/python3 -B "$root/pipelines/paper_pages/rows.py" "$root/pipelines/paper_pages/$paper.toml" facts.csv "$@"; }
+# table NAME: its rows, filled with the facts.
+table() { rows "$1" --csv numbers.csv >>page.html || fail "$paper: no table '$1'; see the message above" 4; }
+# caption KEY
+caption() { rows --caption "$1" || fail "$paper: no caption '$1'; see the message above" 4; }
+note() { echo "<p>$(caption "$1")</p>" >>page.html; }
+# figure FILE KEY: an image beside the page, with the caption of that key.
 figure() {
+  local text
   [[ -s $1 ]] || fail "$paper: $1 was not made" 4
-  echo "<figure><img src=\"$1\" alt=\"$2\"><figcaption>$2</figcaption></figure>" >>page.html
+  text=$(caption "$2")
+  echo "<figure><img src=\"$1\" alt=\"$text\"><figcaption>$text</figcaption></figure>" >>page.html
+}
+# runs_of RUN STAGE: how often it ran.
+runs_of() { awk -v stage="$2" 'index($0, stage "  ") == 1 && / (step|image) / && !seen { print $(NF - 4); seen = 1 }' "$1.txt"; }
+# image_size_facts RUN: pixels of an image beside the probe, from the first still, and of the view in 3D.
+image_size_facts() {
+  /usr/bin/python3 -B - "$1" >>facts.csv <<'PYTHON'
+import json, pathlib, struct, sys
+run = pathlib.Path(sys.argv[1])
+with open(run / "run.json", encoding="utf-8") as file:
+    effects = json.load(file)["scenario"]["effects"]
+still = min(run.glob("event_*.png"))
+width, height = struct.unpack(">II", still.read_bytes()[16:24])
+print(f"width_px,{width // sum(bool(effects.get(key)) for key in ('ultrasound', 'ct_slice'))}\nheight_px,{height}")
+for side in ("width_px", "height_px"):
+    if effects.get("view_3d"):
+        print(f"view_{side},{effects['view_3d'][side]}")
+PYTHON
 }
 # plan RUN: the effect plan of a run.
 plan() {
@@ -64,11 +81,30 @@ coarse() {
     } { print }' "$root/configs/phantoms/$1.json" >"$3"
 }
 
-# replay RUN PATIENT SESSION [acus-replay argument...]: with the paper's preset; --explain in RUN.txt.
+# withdrawn_before_turning FILE: a patient whose hand leaves the skin before it turns the needle, as it must where the
+# direction is locked, and presses on the bone that it meets.
+withdrawn_before_turning() {
+  sed -i 's/{"to": "depth", "depth_mm": 14, "aim": "bone"/{"to": "start", "aim": "bone"/; s/"name": "lumbar_puncture",/&\n    "bone_press_mm": 1.5,/' "$1"
+  grep -q '"bone_press_mm"' "$1" || fail "$1 is no patient with a lumbar puncture"
+}
+
+# resized KIND VOXELS FILE: the preset of a patient on as many voxels along each axis.
+resized() {
+  awk -v n="$2" '/"grid":/ {
+      split($0, part, /"spacing_mm": \[|\], "size": \[|\]\}/); split(part[2], s, ", "); split(part[3], m, ", ")
+      printf "%s\"spacing_mm\": [%.6f, %.6f, %.6f], \"size\": [%d, %d, %d]},\n", part[1], s[1] * m[1] / n, s[2] * m[2] / n,
+             s[3] * m[3] / n, n, n, n
+      next
+    } { print }' "$root/configs/phantoms/$1.json" >"$3"
+}
+
+# replay RUN PATIENT SESSION [acus-replay argument...]: with the paper's preset; --explain in RUN.txt, its memory in
+# RUN.mb.
 replay() {
   local run=$1 name=$2 session=$3
   shift 3
-  acus-replay "scenarios/$paper.json" "$session" --labels "$name/labels.seg.nrrd" \
+  /usr/bin/python3 -B "$root/pipelines/paper_pages/peak.py" "$run.mb" \
+    acus-replay "scenarios/$paper.json" "$session" --labels "$name/labels.seg.nrrd" \
     --transform "registration_$name/ct_from_reference.tfm" --no-sequence --quiet --explain \
     -o "$run" --overwrite "$@" >"$run.txt"
 }
@@ -89,8 +125,8 @@ step_us() { awk '/^stage .*writes/ { exit } / step +in / { us += $(NF - 1) } END
 # metric RUN NAME: value with its unit, as acus-replay prints it.
 metric() { sed -n "s/^ *$2: //p" "$1.txt" | head -n 1; }
 number() { metric "$1" "$2" | awk '{ print $1 }'; }
-# per_s MS...: how often a second, of times in ms.
-per_s() { awk -v ms="$*" 'BEGIN { n = split(ms, t, " "); for (i = 1; i <= n; ++i) s += t[i]; printf "%.3g", 1000 / s }'; }
+# stage_ms RUN STAGE: CPU time of an image.
+stage_ms() { awk -v us="$(time_of "$1" "$2")" 'BEGIN { print us / 1000 }'; }
 
 # shortened FROM TO SECONDS: the first seconds of a session.
 shortened() {
@@ -98,6 +134,25 @@ shortened() {
   cp "$1/session.json" "$2"
   local file
   for file in "$1"/*.csv; do awk -F, -v end="$3" 'NR == 1 || $1 <= end' "$file" >"$2/$(basename "$file")"; done
+}
+
+# session_of FOLDER TOOL: a session of one tool, its rows from standard input.
+session_of() {
+  mkdir -p "$1"
+  printf '{"format": "acus-session/1", "name": "%s", "reference_frame": "Reference", "streams": [{"file": "%s.csv", "tool": "%s"}]}\n' \
+    "$1" "$2" "$2" >"$1/session.json"
+  { echo "time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,status"; cat; } >"$1/$2.csv"
+}
+
+# constant_stroke FOLDER MM_PER_MIN X Y Z X Y Z: a needle from 10 mm before one point to the other, in CT space.
+constant_stroke() {
+  awk -v speed="$2" -v from="$3 $4 $5" -v to="$6 $7 $8" 'BEGIN { split(from, a, " "); split(to, b, " ")
+      for (i = 1; i <= 3; ++i) { d[i] = b[i] - a[i]; l += d[i] ^ 2 }
+      l = sqrt(l); for (i = 1; i <= 3; ++i) d[i] /= l
+      w = sqrt((1 + d[3]) / 2); qx = -d[2] / (2 * w); qy = d[1] / (2 * w)
+      for (k = 0; ; ++k) { s = -10 + speed / 60 * k / 1000; if (s > l) break
+        printf "%.3f,%.7f,%.7f,%.7f,%.12f,%.12f,%.12f,0,OK\n", k / 1000, a[1] + s * d[1], a[2] + s * d[2], a[3] + s * d[3], w, qx, qy } }' |
+    session_of "$1" needle
 }
 
 # plot FILE.svg TITLE X Y NAME=FILE.csv...: lines through the first two columns of CSVs without header.

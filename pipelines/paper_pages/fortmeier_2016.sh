@@ -25,15 +25,31 @@ figure_10
 figure_11
 
 say "volume rendering"
-seconds=2
-[[ -z $quick ]] || seconds=1
-shortened $session short $seconds
-view=(--set /effects/view_3d/width_px=1224 --set /effects/view_3d/height_px=1014 --set /effects/view_3d/supersampling=1
-  --set '/effects/view_3d/layers=[{"preset":"skin"}]' --set '/effects/view_3d/surfaces=[]' --set /effects/view_3d/rate_hz=1
-  --set /effects/ultrasound=null --set /effects/ct_slice=null --set /effects/fluoroscopy=null)
-replay view_none patient short "${common[@]}" --set /effects/breathing=null "${view[@]}"
-for model in surrogate full_cycle; do
-  replay view_$model patient short "${common[@]}" "${view[@]}" --set "/effects/breathing/motion=$PWD/motion_$model"
+seconds=2 sizes=(64 128) voxels=256
+[[ -z $quick ]] || seconds=1 sizes=(32) voxels=96
+resized liver_ptc $voxels small.json
+patient liver_ptc small --config small.json
+shortened small/sessions/liver_ptc short $seconds
+layer=skin width_px=1224 height_px=1014
+view=(--ct small/ct.nrrd --set /effects/view_3d/width_px=$width_px --set /effects/view_3d/height_px=$height_px
+  --set /effects/view_3d/supersampling=1 --set "/effects/view_3d/layers=[{\"preset\":\"$layer\"}]" --set '/effects/view_3d/surfaces=[]'
+  --set /effects/view_3d/rate_hz=1 --set /effects/ultrasound=null --set /effects/ct_slice=null --set /effects/fluoroscopy=null)
+# volume_facts KEY RUN
+volume_facts() {
+  fact "$1_ms" "$(stage_ms "$2" "view in 3D")"
+  fact "$1_mb" "$(cat "$2.mb")"
+  fact "$1_images" "$(runs_of "$2" "view in 3D")"
+}
+replay view_none small short --set /effects/breathing=null "${view[@]}"
+volume_facts none view_none
+for size in "${sizes[@]}"; do
+  for model in surrogate full_cycle; do
+    synthetic_motion $model "$size" "motion_${model}_$size"
+    replay view_${model}_"$size" small short "${view[@]}" --set "/effects/breathing/motion=$PWD/motion_${model}_$size"
+    key=$model
+    [[ $model != full_cycle ]] || key=key_frame
+    volume_facts "${key}_$size" "view_${model}_$size"
+  done
 done
 say "all images, breathing"
 images_s=8
@@ -41,34 +57,37 @@ images_s=8
 shortened $session images $images_s
 replay run_images patient images "${common[@]}" "${breathes[@]}"
 
+fact puncture_n "$(awk -F, '$2 == "puncture" && !n { print $6; n = 1 }' run_block/events.csv)"
+fact puncture_mm "$(awk -F, '$2 == "puncture" && !n { print $4; n = 1 }' run_block/events.csv)"
+fact depth_mm "$(awk -F, '$1 > m { m = $1 } END { printf "%.0f", m }' block.csv)"
+for run in printed block; do fact ${run}_n "$(awk -F, '$1 > deep { deep = $1; force = $2 } END { print force }' $run.csv)"; done
+spring_facts
+fact line_breathing_n "$(number line_breathing "largest axial force")"
+fact line_still_n "$(number line_still "largest axial force")"
+fact session_breathing_n "$(number run_25 "largest axial force")"
+fact session_still_n "$(number run_still "largest axial force")"
+fact bone_contacts "$(number run_25 "bone contacts")"
+fact world_off_mm "$(off_line path_world.csv)"
+fact rest_off_mm "$(off_line path_rest.csv)"
+fact deep_mm $deep_mm
+for nodes in 15 25 50; do fact step_${nodes}_us "$(step_us run_$nodes)"; done
+fact algorithm "algorithm 1"
+fact voxels $((voxels ** 3))
+fact width_px $width_px
+fact height_px $height_px
+fact layer $layer
+fact key_frames "$(key_frames_of "motion_full_cycle_${sizes[0]}")"
 heading "Tables"
-table_begins
-row "figure 5, upper: force at the puncture" "2.5 N" \
-  "$(awk -F, '$2 == "puncture" && !n { printf "%.2f N at %.1f mm", $6, $4; n = 1 }' run_block/events.csv)" "a block of liver, the paper's constants" "17.8 mm follow from a1, a2 and 2.5 N"
-row "figure 5, upper: at 40 mm" "1 N and friction" "$(awk -F, '$1 > deep { deep = $1; force = $2 } END { printf "%.2f N", force }' block.csv)" "the same" "friction of 40 mm at 0.0125 N/mm adds 0.5 N"
-row "figure 5, lower: largest force" "a figure" "$(metric line_breathing "largest axial force"), at rest $(metric line_still "largest axial force")" "liver_ptc, from the belly towards the head" "the paper gives the order of the pauses and the first 10 s only"
-row "the same, in the session" "" "$(metric run_25 "largest axial force"), at rest $(metric run_still "largest axial force")" "liver_ptc, the paper's constants" "another path: between ribs, not along the body. The scripted first attempt runs into a rib, which breathing moves against the tip"
-for nodes in 15 25 50; do
-  row "figure 13: $nodes nodes, a haptic step" "box plots; about 2000 Hz on average" "$(step_us run_$nodes) us" \
-    "all stages of a step, breathing, CPU time, mean of the session" "at rest after one step, where the paper's bodies take 15.1"
-done
-ms() { awk -v us="$(time_of "$1" "view in 3D")" 'BEGIN { printf "%.0f ms", us / 1000 }'; }
-row "table 2: no motion" "16 ms" "$(ms view_none)" "1224 x 1014, skin, CT of 361 x 261 x 111" "a graphics card with CUDA against cores of a CPU: slower. CPU time of all threads together"
-row "table 2: key frames" "36 ms" "$(ms view_full_cycle)" "the same, full cycle, fields of $resolution^3, three components" "as above"
-row "table 2: surrogate" "27 ms" "$(ms view_surrogate)" "the same, surrogate, fields of $resolution^3, three components" "as above"
-table_ends
+for part in needle inversion volume; do table $part; done
 heading "Motion models"
-note "Errors in a synthetic breath that is known exactly, mm."
+note errors
 { echo "<pre>"; cat motion_surrogate.txt; echo "</pre>"; } >>page.html
 heading "Figures"
-figure figure_5_upper.svg "Bovine liver ex vivo (figure 5, upper)."
-figure figure_5_lower.svg "Towards the head into the liver, breathing and at rest (figure 5, lower)."
-figure figure_8.png "Figure 8. Above: 10 mm in, the hand leans, further in. Below: in straight while the patient breathes out."
-figure figure_8_path.svg "Figure 8, lower: the path of the tip in the world, and of the hand's tip at rest."
-figure figure_10.png "Figure 10: end inspiration, mid expiration, end expiration, mid inspiration, 1.4 times as deep; the difference of the two in the middle. Above half-cycle key frames, below the surrogate model."
-figure figure_11_slices.png "Figure 11, lower: not warped; 1, 5, 50 iterations. Below: difference from 50."
-figure figure_11_rays.png "Figure 11, upper: not warped; 1 iteration from the sample before; 1 with twice the samples; 50. Below: difference from 50."
-figure run_images/view_3d.png "The patient with ducts, vessels and lesion (figure 6)."
-figure view_surrogate/view_3d.png "Volume rendering of the breathing patient (figure 9)."
+for name in figure_5_upper.svg figure_5_lower.svg figure_8.png figure_8_path.svg figure_10.png figure_11_slices.png figure_11_rays.png; do
+  figure $name "${name%.*}"
+done
+figure run_images/view_3d.png figure_6
+figure "view_surrogate_${sizes[0]}/view_3d.png" figure_9
+note missing
 heading "Effect plan"
 plan run_images

@@ -2,11 +2,37 @@
 # Figures 5, 8, 10 and 11 of Fortmeier-2016 from replays of its preset, in CT space.
 # Expects: $paper, common.sh, and the folder `patient` (liver_ptc).
 
+deep_mm=30 # Travel of the diaphragm in figures 8 and 10.
+# off_line FILE: how far a path is from the hand's line, z = 100 mm, at most.
+off_line() { awk -F, '{ d = $2 - 100; if (d < 0) d = -d; if (d > m) m = d } END { printf "%.2f\n", m }' "$1"; }
+# spring_facts: of a node of liver, along and across, from the tables that the preset names: the law of
+# docs/models/tissue_functions_and_springs.md.
+spring_facts() {
+  /usr/bin/python3 -B - "$root/configs" >>facts.csv <<'PYTHON'
+import json, math, pathlib, re, sys
+configs = pathlib.Path(sys.argv[1])
+def read(name):
+    return json.loads(re.sub(r"^\s*//.*$", "", (configs / name).read_text(encoding="utf-8"), flags=re.M))
+effects = read("scenarios/fortmeier_2016.json")
+tissue, needle = effects["effects"]["tissue"], read(effects["needle"])
+def row(table, *names):
+    rows = {r["tissue"]: r for r in read(table)["tissues"]}
+    return next(rows[n] for n in names if n in rows)
+spacing, a, r = tissue["springs"]["path_spacing_mm"], needle["outer_diameter_mm"] / 2, 20.0
+elastic = row(tissue["elasticity"], "liver")
+shear = elastic["youngs_modulus_kpa"] / 1000 / (2 * (1 + elastic.get("poissons_ratio", 0.49)))
+across = 4 * math.pi * shear / (math.log(r / a) - (r * r - a * a) / (r * r + a * a))
+print(f"spacing_mm,{spacing}\nk_along_n_per_mm,{row(tissue['table'], 'liver', 'soft_tissue')['shaft_n_per_mm2'] * spacing}")
+print(f"k_across_n_per_mm,{across * spacing:.4f}")
+PYTHON
+}
+# key_frames_of MOTION: fields of a motion model.
+key_frames_of() { /usr/bin/python3 -B -c 'import json, sys; print(len(json.load(open(sys.argv[1]))["frames"]))' "$1/motion.json"; }
 # motions NODES: a breath as it is by default, and one of 30 mm, so that models and iterations differ as in the paper.
 motions() {
   local model
   for model in surrogate full_cycle; do synthetic_motion "$model" "$1" "motion_$model"; done
-  for model in half_cycle surrogate; do synthetic_motion "$model" "$1" "motion_deep_$model" --diaphragm-mm 30; done
+  for model in half_cycle surrogate; do synthetic_motion "$model" "$1" "motion_deep_$model" --diaphragm-mm $deep_mm; done
 }
 synthetic_motion() {
   local model=$1 nodes=$2 folder=$3
@@ -28,14 +54,6 @@ only_images=(--set /effects/needle_force=null --set /effects/needle=null --set /
 no_view=(--set /effects/view_3d=null)
 sheet() { /usr/bin/python3 "$root/pipelines/paper_pages/sheet.py" "$@"; }
 
-# session_of FOLDER TOOL: a session of one tool, its rows from standard input.
-session_of() {
-  mkdir -p "$1"
-  printf '{"format": "acus-session/1", "name": "%s", "reference_frame": "Reference", "streams": [{"file": "%s.csv", "tool": "%s"}]}\n' \
-    "$1" "$2" "$2" >"$1/session.json"
-  { echo "time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,status"; cat; } >"$1/$2.csv"
-}
-
 # Upper half of figure 5: a box of liver, CT mm: 60 x 60 x 60, its face at z = 0.
 figure_5_upper() {
   mkdir -p block
@@ -54,8 +72,8 @@ figure_5_upper() {
  "effects": {"needle_force": {"model": "tissue"},
              "tissue": {"model": "springs", "table": "forces/fortmeier_bovine.json", "elasticity": "elasticity/fortmeier.json"}}}
 JSON
-  # Algorithm 1 as printed: a1, a2 and k inside, too.
-  sed '/"tissue": "liver"/s/"cutting_n"/"cutting_a1_n_per_mm": 0.048, "cutting_a2_n_per_mm2": 0.0052, "shaft_n_per_mm2": 0.25, "cutting_n"/' \
+  # Algorithm 1 as printed: a1 and a2 inside, too.
+  sed '/"tissue": "liver"/s/"cutting_n"/"cutting_a1_n_per_mm": 0.048, "cutting_a2_n_per_mm2": 0.0052, "cutting_n"/' \
     "$root/configs/forces/fortmeier_bovine.json" >block/as_printed.json
   acus-replay block/scenario.json block/session --transform identity -o run_block --overwrite --quiet --explain >run_block.txt
   acus-replay block/scenario.json block/session --transform identity -o run_printed --overwrite --quiet \
@@ -88,30 +106,40 @@ figure_5_lower() {
 }
 
 # Figure 8: a thin needle in the plane of its line. Above, the hand leans after 10 mm; below, the patient breathes out
-# while it is inserted straight. Then the path of the tip in the world, and of the hand's tip at rest.
+# while it is inserted straight. Then the path of the bent tip in the world, and in the patient at rest.
 thin=(--set /needle=needles/spinal_22g.json --set /effects/needle/elasticity=elasticity/default.json
   --set /effects/tissue/elasticity=elasticity/default.json --set /effects/tissue/table=forces/default.json
   --set '/effects/planes={"planes":["sagittal"],"centre_mm":[-70,-108,110],"rate_hz":2,"width_px":200,"height_px":160,"mm_per_px":0.5,"window":{"centre_hu":50,"width_hu":500}}')
-# tip_path TRACE Y Z: two columns of a trace, by name, from where the tip is at the skin on.
-tip_path() {
-  awk -F, -v y="$2" -v z="$3" 'NR == 1 { for (i = 1; i <= NF; ++i) { if ($i == y) cy = i; if ($i == z) cz = i } next }
-    $cy > -136 { print $cy "," $cz }' "$1"
+# tip_paths TRACE REST WORLD: y and z of the bent tip, from where it is at the skin on. `needle shape/tip_*` is in the
+# patient at rest; the pose of the needle there and in the world takes it to the world.
+tip_paths() {
+  awk -F, -v rest="$2" -v world="$3" 'NR == 1 { for (i = 1; i <= NF; ++i) at[$i] = i; next }
+    { for (r = 0; r < 3; ++r) off[r] = $at["needle shape/tip_" substr("xyz", r + 1, 1) "_mm"] - $at["breathing/ct_from_needle_" r 3]
+      for (c = 0; c < 3; ++c) { own[c] = 0; for (r = 0; r < 3; ++r) own[c] += $at["breathing/ct_from_needle_" r c] * off[r] }
+      for (r = 1; r < 3; ++r) { p[r] = $at["needle pose/ct_from_needle_" r 3]
+        for (c = 0; c < 3; ++c) p[r] += $at["needle pose/ct_from_needle_" r c] * own[c] }
+      if ($at["needle shape/tip_y_mm"] > -136) {
+        print $at["needle shape/tip_y_mm"] "," $at["needle shape/tip_z_mm"] > rest; print p[1] "," p[2] > world } }' "$1"
+}
+straight_while_breathing() {
+  along_line straight 1.01 'function depth(t) { return -20 + 75 * clamp(t) } function lean(t) { return 0 }'
+  in_ct run_straight straight "${no_view[@]}" "${thin[@]}" --trace --set /effects/breathing/pattern/exponent=1 \
+    --set "/effects/breathing/motion=$PWD/motion_deep_surrogate"
 }
 figure_8() {
   along_line lean 6.01 'function depth(t) { return -2 + 12 * clamp(t) + 45 * clamp((t - 3) / 3) }
     function lean(t) { return 15 * clamp((t - 1.5) / 1.5) }'
   in_ct run_lean lean "${no_view[@]}" "${thin[@]}" --set /effects/breathing=null
-  along_line straight 1.01 'function depth(t) { return -20 + 75 * clamp(t) } function lean(t) { return 0 }'
-  in_ct run_straight straight "${no_view[@]}" "${thin[@]}" --trace --set /effects/breathing/pattern/exponent=1 \
-    --set "/effects/breathing/motion=$PWD/motion_deep_surrogate"
+  straight_while_breathing
   local leans=run_lean/frames/planes_000 goes=run_straight/frames/planes_000
   sheet figure_8.png ${leans}02.png ${leans}06.png ${leans}12.png - ${goes}00.png ${goes}01.png ${goes}02.png
-  tip_path run_straight/trace.csv "needle shape/tip_y_mm" "needle shape/tip_z_mm" >path_world.csv
-  tip_path run_straight/trace.csv breathing/ct_from_needle_13 breathing/ct_from_needle_23 >path_rest.csv
-  plot figure_8_path.svg "Path of the needle's tip while the patient breathes out, after figure 8, lower" \
-    "from front to back [mm]" "towards the head [mm]" in_the_world=path_world.csv "at_rest=path_rest.csv"
+  figure_8_path
 }
-
+figure_8_path() {
+  tip_paths run_straight/trace.csv path_rest.csv path_world.csv
+  plot figure_8_path.svg "Path of the needle's tip while the patient breathes out, after figure 8, lower" \
+    "from front to back [mm]" "towards the head [mm]" in_the_world=path_world.csv at_rest=path_rest.csv
+}
 # far_probe FOLDER SECONDS: a probe that is far away, for images alone.
 far_probe() {
   awk -v end="$2" 'BEGIN { for (n = 0; n <= 100 * end; ++n) printf "%.2f,0,-400,200,1,0,0,0,OK\n", n / 100 }' | session_of "$1" probe
@@ -136,29 +164,46 @@ figure_10() {
   sheet figure_10.png "${sheet[@]}"
 }
 
-# Figure 11: end inspiration by the surrogate model. Slices, lower half, not warped and with 1, 5 and 50 iterations at
+# Figure 11: end inspiration by the surrogate model, of a normal breath: one that folds the field of 30 mm at sliding
+# organs would show the fold and not the inversion. Slices, lower half, not warped and with 1, 5 and 50 iterations at
 # every pixel; rays, upper half, not warped, with 1 iteration from the sample before, 1 with twice the samples, and 50.
 # Below each the difference from 50 iterations.
 figure_11() {
+  figure_11_slices
+  figure_11_rays
+}
+# grey_difference KEY A B: a fact, the mean difference of two images in grey levels.
+grey_difference() {
+  fact "$1" "$(/usr/bin/python3 -B "$root/pipelines/paper_pages/sheet.py" --difference "$2" "$3")"
+}
+figure_11_slices() {
+  local normal_breath=(--set "/effects/breathing/motion=$PWD/motion_surrogate" --set /effects/breathing/pattern/exponent=1)
   far_probe moment 0.03
-  local n deep=(--set "/effects/breathing/motion=$PWD/motion_deep_surrogate" --set /effects/breathing/pattern/exponent=1)
-  local still=(--set /effects/breathing/amplitude=0)
-  in_ct slice_0 moment "${only_images[@]}" "${no_view[@]}" "${sagittal[@]}" "${deep[@]}" "${still[@]}"
+  local n still=(--set /effects/breathing/amplitude=0)
+  in_ct slice_0 moment "${only_images[@]}" "${no_view[@]}" "${sagittal[@]}" "${normal_breath[@]}" "${still[@]}"
   for n in 1 5 50; do
-    in_ct slice_$n moment "${only_images[@]}" "${no_view[@]}" "${sagittal[@]}" "${deep[@]}" \
+    in_ct slice_$n moment "${only_images[@]}" "${no_view[@]}" "${sagittal[@]}" "${normal_breath[@]}" \
       --set /effects/breathing/warp_spacing_mm=1.25 --set /effects/breathing/inverse_iterations=$n
   done
   local most=slice_50/frames/planes_00000.png one=() off=()
   for n in 0 1 5 50; do one+=("slice_$n/frames/planes_00000.png") off+=("slice_$n/frames/planes_00000.png:$most"); done
   sheet figure_11_slices.png "${one[@]}" - "${off[@]}"
+  for n in 0 1 5; do grey_difference slice_${n}_grey slice_$n/frames/planes_00000.png $most; done
+}
+figure_11_rays() {
+  local normal_breath=(--set "/effects/breathing/motion=$PWD/motion_surrogate" --set /effects/breathing/pattern/exponent=1)
   local view=(--set '/effects/view_3d={"layers":[{"preset":"bone"}],"surfaces":[],"needle":false,"probe":false,"rate_hz":1,"width_px":240,"height_px":240,"supersampling":1,"warp_tolerance_mm":0,"camera":{"eye_mm":[0,-1077,702],"focus_mm":[0,-32,140],"view_angle_deg":9.8}}')
-  local steps=/effects/view_3d/step_mm iterations=/effects/view_3d/inverse_iterations
-  in_ct rays_0 moment "${only_images[@]}" "${deep[@]}" "${view[@]}" "${still[@]}"
-  in_ct rays_1 moment "${only_images[@]}" "${deep[@]}" "${view[@]}" --set $iterations=1
-  in_ct rays_1_half moment "${only_images[@]}" "${deep[@]}" "${view[@]}" --set $iterations=1 --set $steps=0.5
-  in_ct rays_50 moment "${only_images[@]}" "${deep[@]}" "${view[@]}" --set $iterations=50
-  in_ct rays_50_half moment "${only_images[@]}" "${deep[@]}" "${view[@]}" --set $iterations=50 --set $steps=0.5
+  local steps=/effects/view_3d/step_mm iterations=/effects/view_3d/inverse_iterations still=(--set /effects/breathing/amplitude=0)
+  far_probe moment 0.03
+  in_ct rays_0 moment "${only_images[@]}" "${normal_breath[@]}" "${view[@]}" "${still[@]}"
+  in_ct rays_1 moment "${only_images[@]}" "${normal_breath[@]}" "${view[@]}" --set $iterations=1
+  in_ct rays_1_half moment "${only_images[@]}" "${normal_breath[@]}" "${view[@]}" --set $iterations=1 --set $steps=0.5
+  in_ct rays_50 moment "${only_images[@]}" "${normal_breath[@]}" "${view[@]}" --set $iterations=50
+  in_ct rays_50_half moment "${only_images[@]}" "${normal_breath[@]}" "${view[@]}" --set $iterations=50 --set $steps=0.5
   local image=frames/view_3d_00000.png
   sheet figure_11_rays.png rays_0/$image rays_1/$image rays_1_half/$image rays_50/$image - \
     rays_0/$image:rays_50/$image rays_1/$image:rays_50/$image rays_1_half/$image:rays_50_half/$image rays_50/$image:rays_50/$image
+  grey_difference rays_0_grey rays_0/$image rays_50/$image
+  grey_difference rays_1_grey rays_1/$image rays_50/$image
+  grey_difference rays_1_half_grey rays_1_half/$image rays_50_half/$image
 }

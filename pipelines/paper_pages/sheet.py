@@ -5,10 +5,12 @@ Usage: sheet.py OUT.png IMAGE... [- IMAGE...]...
 
 IMAGE: the path of a PNG file (8 bits, grey or RGB, all of one size), or A:B, which shows the absolute
 difference of the greys of A and B times four.
+
+       sheet.py --difference A B: the mean of that difference of two images, in grey levels.
 """
 import sys
 
-from PIL import Image, ImageChops, UnidentifiedImageError
+from PIL import Image, ImageChops, ImageStat, UnidentifiedImageError
 
 GAP_PX = 4
 DIFFERENCE_FACTOR = 4
@@ -52,7 +54,16 @@ def sheet(rows):
     return red if is_grey else out
 
 
+def mean_difference(first, second):
+    a, b = (open_rgb(name).convert("L") for name in (first, second))
+    need_same_size(second, b, a)
+    return ImageStat.Stat(ImageChops.difference(a, b)).mean[0]
+
+
 def main():
+    if sys.argv[1:2] == ["--difference"] and len(sys.argv) == 4:
+        print(f"{mean_difference(*sys.argv[2:]):.4g}")
+        return
     if len(sys.argv) < 3:
         sys.exit(__doc__)
     rows = [[]]

@@ -84,6 +84,13 @@ class Sheet(unittest.TestCase):
         want = [bytes(min(255, 4 * abs(x - y)) for x, y in zip(*rows) for _ in range(3)) for rows in zip(a, b)]
         self.assertEqual(rows_of(self.folder / "out.png"), want)
 
+    def test_a_mean_difference_is_in_grey_levels(self):
+        a, b = self.image("a.png", 1), self.image("b.png", 1)
+        run = subprocess.run([sys.executable, str(ROOT / "pipelines/paper_pages/sheet.py"), "--difference", "a.png", "b.png"],
+                             cwd=self.folder, capture_output=True, text=True, check=True)
+        pairs = [abs(x - y) for rows in zip(a, b) for x, y in zip(*rows)]
+        self.assertAlmostEqual(float(run.stdout) / (sum(pairs) / len(pairs)), 1.0, delta=1e-3)
+
     def test_what_cannot_be_read_is_named(self):
         (self.folder / "text.png").write_text("no image", encoding="utf-8")
         run = self.run_on("text.png")

@@ -21,8 +21,13 @@ struct BendingScene {
   scenario::NeedleForceModelKind force = scenario::NeedleForceModelKind::kLayered;
   const char* tissue = "muscle";  ///< Everything below z = 0; null: the layers of LayeredScene.
   const char* needle = "needles/spinal_22g.json";
+  /// Without relaxation: the force on a needle at rest is constant.
+  const char* table = "forces/bovine_2021.json";
+  const char* elasticity = "elasticity/default.json";
+  tissue::SpringSettings springs = {};  ///< With `force` kTissue.
   double bevel_curvature_per_mm = 0.0;
   double bevel_roll_rad = 0.0;
+  Eigen::AlignedBox3d bone_mm;  ///< Empty: none.
 
   simulation::Scene Make() const {
     const std::filesystem::path configs = std::filesystem::path(ACUS_SOURCE_DIR) / "configs";
@@ -32,9 +37,9 @@ struct BendingScene {
     s.patient.labels = "labels";
     s.needle_force.emplace().model = force;
     s.shape = effect;
-    const bool springs = force == scenario::NeedleForceModelKind::kTissue;
-    if (springs) s.tissue.emplace().model = scenario::TissueModelKind::kSprings;
-    if (springs) s.tissue->image = false;
+    const bool has_springs = force == scenario::NeedleForceModelKind::kTissue;
+    if (has_springs) s.tissue.emplace().model = scenario::TissueModelKind::kSprings;
+    if (has_springs) s.tissue->image = false;
     volume::Geometry geometry = LayeredGeometry();
     geometry.size = {100, 100, 170};
     geometry.origin_mm = {-49.5, -49.5, -9.5};
@@ -45,29 +50,43 @@ struct BendingScene {
       for (auto& label : labels->voxels) label = label == 0 ? label : volume::LabelOf(tissue);
       scene.labels = labels;
     }
+    if (!bone_mm.isEmpty()) {
+      auto labels = std::make_shared<volume::LabelMap>(*scene.labels);
+      for (int k = 0; k < geometry.size[2]; ++k) {
+        for (int j = 0; j < geometry.size[1]; ++j) {
+          for (int i = 0; i < geometry.size[0]; ++i) {
+            const Eigen::Vector3d at_mm = geometry.ct_from_index() * Eigen::Vector3d(i, j, k);
+            if (bone_mm.contains(at_mm)) {
+              labels->voxels[geometry.Index(i, j, k)] = volume::LabelOf("bone");
+            }
+          }
+        }
+      }
+      scene.labels = labels;
+    }
     scene.needle = needle::ReadNeedle(configs / needle);
     scene.needle->bevel = {bevel_curvature_per_mm, bevel_roll_rad};
-    // Without relaxation: the force on a needle at rest is constant.
-    const auto table = forces::ReadForceTable(configs / "forces/bovine_2021.json");
+    const auto force_table = forces::ReadForceTable(configs / table);
     scene.forces.reset();
-    scene.force_from_tissue = springs;
-    const auto elasticity = mechanics::ReadElasticityTable(configs / "elasticity/default.json");
+    scene.force_from_tissue = has_springs;
+    const auto constants = mechanics::ReadElasticityTable(configs / elasticity);
     std::bitset<256> tissues;
     for (const auto label : scene.labels->voxels) tissues.set(label);
-    if (springs) {
+    if (has_springs) {
       scene.tissue.emplace(tissue::SpringModel(
-          {}, table, *scene.needle, elasticity, tissues,
+          springs, force_table, *scene.needle, constants, tissues,
           [labels = scene.labels,
            index_from_ct = scene.labels->geometry.index_from_ct()](const Eigen::Vector3d& at_mm) {
             return volume::LabelAt(*labels, index_from_ct, at_mm);
           }));
     } else if (force == scenario::NeedleForceModelKind::kAlamilla) {
-      scene.forces.emplace(forces::AlamillaModel(table, *scene.needle));
+      scene.forces.emplace(forces::AlamillaModel(force_table, *scene.needle));
     } else {
-      scene.forces.emplace(forces::NeedleForceModel(table, *scene.needle));
+      scene.forces.emplace(forces::NeedleForceModel(force_table, *scene.needle));
     }
-    scene.shape.emplace(effect, *scene.needle, table.ScaledTo(scene.needle->beam.outer_diameter_mm),
-                        &elasticity, tissues, force == scenario::NeedleForceModelKind::kLayered);
+    scene.shape.emplace(effect, *scene.needle,
+                        force_table.ScaledTo(scene.needle->beam.outer_diameter_mm), &constants,
+                        tissues, force == scenario::NeedleForceModelKind::kLayered);
     return scene;
   }
 };

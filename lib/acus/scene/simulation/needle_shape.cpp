@@ -15,6 +15,7 @@ using forces::NeedleForce;
 using scenario::NeedleModelKind;
 
 constexpr double kStillMm = 1e-6;       // A smaller motion is no advance: at rest no bit changes.
+constexpr double kLetGoMm = 20.0;       // As far off the path as models of tissue allow.
 constexpr double kGiftNMmPerS = 0.005;  // 0.3 mJ a minute, so that no force stays zero for good.
 
 needle::BendableNeedleOptions OptionsOf(const scenario::NeedleEffect& effect,
@@ -117,6 +118,15 @@ void NeedleShapeModel::Follow(NeedleShapeState& state, const NeedleShapeInput& i
     state.line.entry_in_ct_mm = input.ct_from_needle.translation() - state.depth_mm * axis;
   }
   state.line.pierced = input.pierced;
+}
+
+Vector3d NeedleShapeModel::LockedTip(const NeedleShapeState& state,
+                                     const Vector3d& tip_in_ct_mm) const noexcept {
+  if (!axis_lock_ || !state.line.pierced) return tip_in_ct_mm;
+  const PathLine& line = state.line;
+  const double along_mm = (tip_in_ct_mm - line.entry_in_ct_mm).dot(line.direction_in_ct);
+  const Vector3d on_path_mm = line.entry_in_ct_mm + along_mm * line.direction_in_ct;
+  return (tip_in_ct_mm - on_path_mm).norm() > kLetGoMm ? tip_in_ct_mm : on_path_mm;
 }
 
 /// Augmented-2010, section II.D.

@@ -88,6 +88,11 @@ class NeedleShapeModel {
     return axis_lock_ && state.line.pierced ? state.line.direction_in_ct : axis_in_ct;
   }
 
+  /// After the puncture: the tip on the path that the needle is held to, as deep as the hand's;
+  /// else `tip_in_ct_mm`, and also where the hand is so far off the path that it has let go.
+  Eigen::Vector3d LockedTip(const NeedleShapeState& state,
+                            const Eigen::Vector3d& tip_in_ct_mm) const noexcept;
+
   /// True if the needle is not in the body: there is nothing to compute.
   bool IsAsleep(const NeedleShapeState& state) const noexcept { return !state.line.pierced; }
 

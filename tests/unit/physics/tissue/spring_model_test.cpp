@@ -1,6 +1,7 @@
 #include "acus/physics/tissue/spring_model.h"
 
 #include <cmath>
+#include <filesystem>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -51,6 +52,25 @@ TEST(SpringModel, StiffnessIsThatOfARodInACylinderOfTissue) {
   EXPECT_NEAR(fat.axial_n_per_mm, 2.0 * 2 * std::numbers::pi * g / log_ratio, 1e-12);
   EXPECT_NEAR(fat.lateral_n_per_mm, 2.0 * 4 * std::numbers::pi * g / (log_ratio - 0.997986), 1e-6);
   EXPECT_DOUBLE_EQ(fat.friction_n, 2.0 * 0.01);
+}
+
+// Fortmeier-2016, section 4.1: k = 0.5 N/mm for each node, one constant along the needle and across
+// it.
+TEST(SpringModel, BothSpringsOfFortmeier2016AreAsPrinted) {
+  const std::filesystem::path configs = std::filesystem::path(ACUS_SOURCE_DIR) / "configs";
+  const auto needle = needle::ReadNeedle(configs / "needles/measured_16g.json");
+  const auto elasticity = mechanics::ReadElasticityTable(configs / "elasticity/fortmeier.json");
+  const Layers layers{{{0, "skin"}, {2, "fat"}, {20, "liver"}}};
+  for (const char* name : {"forces/fortmeier.json", "forces/fortmeier_bovine.json"}) {
+    const SpringModel model({.node_spacing_mm = 2.0}, forces::ReadForceTable(configs / name),
+                            needle, elasticity, layers.Tissues(), layers.At());
+    for (const char* tissue : {"skin", "fat", "liver"}) {
+      const PathNode& node = model.TissueNode(volume::LabelOf(tissue));
+      EXPECT_NEAR(node.axial_n_per_mm, 0.5, 0.005) << name << ", " << tissue;
+      EXPECT_NEAR(node.lateral_n_per_mm, 0.5, 0.005) << name << ", " << tissue;
+      EXPECT_NEAR(node.friction_n, 0.025, 1e-12) << name << ", " << tissue;
+    }
+  }
 }
 
 // Skin 2 mm of 0.03 N/mm, fat 0.01 N/mm; after enough travel all springs slide.

@@ -150,6 +150,41 @@ TEST(NeedleShape, LockedItIsShownOnItsPath) {
   }
 }
 
+TEST(NeedleShape, LockedItIsInTheTissueThatItIsShownIn) {
+  // Bone on the path from z = 40 mm on, not where the hand goes: in at x = 0, then 4 mm aside.
+  for (const bool is_locked : {true, false}) {
+    BendingScene bending;
+    bending.effect.model = NeedleModelKind::kLateralBeam;
+    bending.effect.axis_lock = is_locked;
+    bending.force = NeedleForceModelKind::kTissue;
+    bending.bone_mm = {Vector3d(-20, -20, 40), Vector3d(2, 20, 60)};
+    const Scene scene = bending.Make();
+    const Simulation simulation(scene);
+    State state = simulation.NewState();
+    math::Polyline line;
+    StepOutput out;
+    double t = 0.0;
+    for (double z = -2.0; z < 30.0; z += 0.05) {
+      out = simulation.Step(state, NeedleAt(t += 0.001, {0, 0, z}));
+    }
+    for (int i = 1; i <= 100; ++i) {
+      out = simulation.Step(state, NeedleAt(t += 0.001, {0.04 * i, 0, 30}));
+    }
+    int contacts = 0;
+    for (double z = 30.0; z < 44.0; z += 0.05) {
+      out = simulation.Step(state, NeedleAt(t += 0.001, {4, 0, z}));
+      contacts += out.force.event == forces::NeedleEvent::kBoneContact ? 1 : 0;
+      ASSERT_EQ(simulation.ShapeOf(state, line), is_locked);
+      ASSERT_TRUE(!is_locked || line.At(0).z() < 41.5) << "the needle is drawn in bone";
+    }
+    EXPECT_EQ(out.tissue_at_tip, volume::LabelOf(is_locked ? "bone" : "muscle"));
+    if (!is_locked) continue;
+    EXPECT_EQ(contacts, 1);
+    EXPECT_GT(out.force.bone_n, 3.0);
+    EXPECT_GT(out.force.lateral_n, 0.05);  // The beam to the hand.
+  }
+}
+
 TEST(NeedleShape, ABendableNeedleGivesTheSameBitsAgainAndFromASavedState) {
   for (const NeedleForceModelKind force : kForces) {
     const Scene scene = SceneWith(NeedleModelKind::kBendable, force);

@@ -93,11 +93,13 @@ class ContactStage final : public CoupledStage {
 
   Sleep Step(StepFrame& frame) const noexcept override {
     const Eigen::Vector3d axis_in_ct = frame.axis_in_ct();
+    const Eigen::Vector3d tip_in_ct_mm = frame.tip_in_ct_mm();
     frame.out.tissue = scene_.tissue->Step(
         frame.state.tissue,
         {.time_s = frame.time_s(),
          .needle_valid = frame.sample.needle_valid,
-         .tip_in_ct_mm = frame.tip_in_ct_mm(),
+         .tip_in_ct_mm =
+             scene_.shape ? scene_.shape->LockedTip(frame.state.shape, tip_in_ct_mm) : tip_in_ct_mm,
          .axis_in_ct =
              scene_.shape ? scene_.shape->LockedAxis(frame.state.shape, axis_in_ct) : axis_in_ct,
          .tip_direction_in_ct = frame.state.shape.tip_direction_in_ct,
