@@ -76,7 +76,6 @@ inline constexpr const char* kLists = R"glsl(
 // else 1 + its index, with bit 31 for a tool.
 layout(std430, binding = 3) buffer Heads { uint heads[]; };
 layout(std430, binding = 4) buffer Nodes { uvec4 nodes[]; };
-layout(std430, binding = 8) buffer NumNodes { uint num_nodes; };
 )glsl";
 
 inline constexpr const char* kCuts = R"glsl(

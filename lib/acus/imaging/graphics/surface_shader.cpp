@@ -119,6 +119,7 @@ void main() {
 
 constexpr const char* kTranslucent = R"glsl(
 layout(early_fragment_tests) in;
+layout(std430, binding = 5) buffer NumNodes { uint num_nodes; };
 
 void main() {
   if (IsCutAway()) return;

@@ -23,6 +23,7 @@ enum Unit : unsigned {
   kOpaqueDistance,
   kGreyImage
 };
+/// OpenGL guarantees eight: one number means two buffers that no shader has both of.
 enum Binding : unsigned {
   kIntegral,
   kValue,
@@ -30,9 +31,9 @@ enum Binding : unsigned {
   kHeads,
   kNodes,
   kPixels,
+  kNumNodes = kPixels,
   kColours,
-  kCoverage,
-  kNumNodes
+  kCoverage
 };
 
 /// Belongs to one context, and to the thread in which that is current.
