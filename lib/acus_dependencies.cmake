@@ -65,6 +65,7 @@ if(PkgConfig_FOUND)
   pkg_check_modules(sndfile QUIET IMPORTED_TARGET GLOBAL sndfile)
 endif()
 find_package(HDF5 QUIET COMPONENTS C)
+acus_find(bz2 bz2 HEADER bzlib.h)
 acus_find(zip zip HEADER zip.h)  # Its own package file asks for tools that it does not need.
 # Its own USE_FILE sets compiler flags that break others.
 acus_find(openigtlink OpenIGTLink HEADER igtl_header.h openigtlink)
@@ -80,7 +81,7 @@ function(acus_debian_packages out)
   set(rows "^ZLIB" zlib1g-dev "^PNG" libpng-dev "_itk$" libinsighttoolkit5-dev "^VTK" libvtk9-dev
            "opencv_aruco" libopencv-contrib-dev "^opencv_[^a]" libopencv-dev "^Ceres" libceres-dev
            "^embree" libembree-dev "^hwy" libhwy-dev "libav$" libavformat-dev "matio$" libmatio-dev
-           "sndfile$" libsndfile1-dev "^hdf5" libhdf5-dev "_zip$" libzip-dev
+           "sndfile$" libsndfile1-dev "^hdf5" libhdf5-dev "_zip$" libzip-dev "_bz2$" libbz2-dev
            "_openigtlink$" libopenigtlink-dev "_cholmod$" "libsuitesparse-dev, libopenblas-dev"
            "_tetgen$" libtet1.5-dev "^X11" libx11-dev "::EGL" libegl-dev "^OpenGL" libopengl-dev)
   set(packages "")

@@ -197,6 +197,9 @@ def map_cases(w):
     yield of("liver_empty", (3,), code="B", value=lambda x, y, z: 0)
     yield of("liver_elsewhere", (3,), code="B", offset_mm=(900, 0, 0))
     yield of("total", (3,), code="B", value=twice(5))
+    yield of("liver_scaled", code="B", slope=0.5)
+    yield of("liver_of_version_2", code="B", version=2)
+    yield of("liver_big_endian", code="h", endian=">")
     folder = w / "masks"
     folder.mkdir()
     nifti(folder / "liver.nii.gz", code="B", value=liver_value)

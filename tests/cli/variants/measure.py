@@ -64,3 +64,13 @@ def transform(path):
 def poses(path):
     """First row of a table of poses."""
     return "first " + pathlib.Path(path).read_text().splitlines()[1]
+
+
+def camera(folder, truth):
+    """The largest distance of a tool from where it was in the images."""
+    far = 0.0
+    for tool in ("Reference", "Probe", "Needle"):
+        rows = [[float(c) for c in (pathlib.Path(place) / f"{tool}.csv").read_text().splitlines()[1].split(",")[1:4]]
+                for place in (folder, truth)]
+        far = max(far, sum((a - b) ** 2 for a, b in zip(*rows)) ** 0.5)
+    return f"off_mm {far}"

@@ -9,6 +9,7 @@
 #include "acus/base/core/error.h"
 #include "acus/base/core/number_text.h"
 #include "acus/base/core/spelling.h"
+#include "acus/base/core/table_sidecar.h"
 #include "acus/base/core/words.h"
 
 namespace acus {
@@ -27,6 +28,20 @@ std::size_t UsualCount(const std::vector<std::vector<std::string>>& rows) {
   return usual;
 }
 
+/// Where most rows of data follow each other: a preamble may have numbers here and there.
+std::size_t FirstOfLongestRun(const std::vector<bool>& has_data) {
+  std::size_t first = has_data.size();
+  std::size_t longest = 0;
+  std::size_t run = 0;
+  for (std::size_t i = 0; i < has_data.size(); ++i) {
+    run = has_data[i] ? run + 1 : 0;
+    if (run <= longest) continue;
+    longest = run;
+    first = i + 1 - run;
+  }
+  return first;
+}
+
 bool IsFull(std::span<const std::string> cells) {
   return std::ranges::none_of(cells, &std::string::empty);
 }
@@ -39,7 +54,24 @@ bool IsUnitRow(std::span<const std::string> cells) {
 }  // namespace
 
 CsvTable::CsvTable(const std::filesystem::path& path) : path_(path) {
-  Parse(ReadTextFile(path), /*has_header=*/true);
+  const TableSidecar sidecar = SidecarOf(path);
+  std::string text = ReadTextFile(path);
+  columns_ = sidecar.columns;
+  const bool has_header = columns_.empty();
+  if (!has_header && sidecar.rate_hz) {
+    columns_.insert(columns_.begin(), "time_s");
+    text = WithTimes(Utf8Text(std::move(text), path.string()), *sidecar.rate_hz, sidecar.start_s);
+  }
+  Parse(std::move(text), has_header);
+  if (sidecar.path.empty()) return;
+  std::vector<std::string> units;
+  for (const std::string& column : columns_) {
+    const auto found = sidecar.units.find(column);
+    units.push_back(found == sidecar.units.end() ? "" : found->second);
+  }
+  TakeUnits(units);
+  how_read_ += Message(how_read_.empty() ? "" : "; ", has_header ? "units" : "columns", " as in ",
+                       sidecar.path.filename().string());
 }
 
 CsvTable::CsvTable(const std::filesystem::path& path,
@@ -88,8 +120,9 @@ std::size_t CsvTable::TakeHeader(std::span<const Line> lines) {
   std::size_t next = 1;
   const bool begins_at_once = rows[0].size() == usual && IsFull(rows[0]) && !HasNumber(rows[0]);
   if (!begins_at_once) {
-    std::size_t data = 0;
-    while (data < rows.size() && !(rows[data].size() == usual && HasNumber(rows[data]))) ++data;
+    std::vector<bool> has_data;
+    for (const auto& row : rows) has_data.push_back(row.size() == usual && HasNumber(row));
+    const std::size_t data = FirstOfLongestRun(has_data);
     if (data > 0 && data < rows.size()) {
       header = data - 1;
       if (header > 0 && IsUnitRow(rows[header])) --header;

@@ -201,6 +201,8 @@ std::string TableStyle::Text() const {
 }
 
 std::string Utf8Text(std::string bytes, const std::string& label) {
+  ACUS_REQUIRE(!bytes.starts_with("\x1F\x8B"), label,
+               ": is compressed by gzip; unpack it first (gunzip)");
   if (bytes.starts_with("\xEF\xBB\xBF")) {
     bytes.erase(0, 3);
   } else if (bytes.starts_with("\xFF\xFE")) {

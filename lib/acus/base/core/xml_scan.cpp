@@ -106,13 +106,15 @@ class Scanner {
     const XML_Error error = XML_GetErrorCode(parser_.get());
     if (error == XML_ERROR_NO_MEMORY) throw std::bad_alloc();
     const bool ends = error == XML_ERROR_NO_ELEMENTS;
+    const bool may_be_cut = ends || error == XML_ERROR_UNCLOSED_TOKEN;
     const std::string what =
         ends ? "the file ends early, or has no element" : XML_ErrorString(error);
     const std::string inside =
         open_.empty() ? "" : Message(", inside <", elements_[open_.back()].name, ">");
-    throw InputError(Message(Place(), ": is not valid XML: ", what, inside, " (column ",
-                             XML_GetCurrentColumnNumber(parser_.get()) + 1,
-                             "); is the file cut off or of another kind?"));
+    throw InputError(
+        Message(Place(), ": is not valid XML: ", what, inside, " (column ",
+                XML_GetCurrentColumnNumber(parser_.get()) + 1,
+                may_be_cut ? "); is the file cut off?" : "); is it damaged, or of another kind?"));
   }
 
   std::string_view text_;

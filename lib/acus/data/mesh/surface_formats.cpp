@@ -79,10 +79,13 @@ std::optional<double> UnitInComment(std::span<const std::string_view> words) {
   for (std::size_t i = 0; i + 1 < words.size(); ++i) {
     const std::string key = ParseColumnName(words[i]).words;
     if (!key.starts_with("unit")) continue;
+    // The last: "in" may be a word before the unit, as in "Units are in centimeters".
+    std::optional<double> last;
     for (std::size_t k = i + 1; k < words.size(); ++k) {
       const auto factor = UnitFactor(ParseColumnName(words[k]).words, "mm");
-      if (factor) return factor;
+      if (factor) last = factor;
     }
+    return last;
   }
   return {};
 }

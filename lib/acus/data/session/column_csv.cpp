@@ -135,7 +135,9 @@ std::size_t ColumnOf(const json& wanted, const std::vector<std::string>& names,
                  " columns, the mapping requires column ", number);
     return number - 1;
   }
-  const auto found = std::ranges::find(names, wanted.get<std::string>());
+  auto bare = wanted.get<std::string>();
+  if (bare.starts_with('#') || bare.starts_with('%')) bare.erase(0, 1);  // As in names of headers.
+  const auto found = std::ranges::find(names, bare);
   if (found == names.end()) {
     std::string all;
     for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;

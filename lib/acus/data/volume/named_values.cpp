@@ -8,6 +8,7 @@
 #include "acus/data/volume/dicom_segmentation.h"
 #include "acus/data/volume/header_check.h"
 #include "acus/data/volume/nifti_label_table.h"
+#include "acus/data/volume/packed_nifti.h"
 #include "acus/data/volume/scalar_file.h"
 #include "acus/data/volume/segment_keys.h"
 #include "acus/data/volume/volume_io.h"
@@ -66,8 +67,9 @@ NamedValues ReadNamedValues(const std::filesystem::path& path) {
   NamedValues map;
   std::map<std::string, std::string> keys;
   map.values = ReadIntegerVolume(path, &keys);
-  if (name.ends_with(".nii") || name.ends_with(".nii.gz")) {
-    map.names = NiftiLabelTable(path);
+  if (name.ends_with(".nii") || name.ends_with(".nii.gz") || name.ends_with(".nii.bz2")) {
+    const auto copy = UnpackedNifti(path);
+    map.names = NiftiLabelTable(copy ? copy->path() : path);
     if (!map.names.empty()) map.named_by = "by the label table in its header";
   } else {
     for (LayeredSegment& segment : SegmentsFromKeys(keys)) {

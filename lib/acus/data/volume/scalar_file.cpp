@@ -16,6 +16,7 @@
 #include "acus/base/core/input_file.h"
 #include "acus/data/volume/header_check.h"
 #include "acus/data/volume/nifti_header.h"
+#include "acus/data/volume/packed_nifti.h"
 
 namespace acus::volume {
 namespace {
@@ -30,7 +31,9 @@ enum class Format { kNifti, kNrrd, kMetaImage, kUnknown };
 Format FormatOf(const fs::path& path) {
   std::string name = path.filename().string();
   std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (name.ends_with(".nii") || name.ends_with(".nii.gz")) return Format::kNifti;
+  if (name.ends_with(".nii") || name.ends_with(".nii.gz") || name.ends_with(".nii.bz2")) {
+    return Format::kNifti;
+  }
   if (name.ends_with(".nrrd") || name.ends_with(".nhdr")) return Format::kNrrd;
   if (name.ends_with(".mha") || name.ends_with(".mhd")) return Format::kMetaImage;
   return Format::kUnknown;
@@ -51,7 +54,7 @@ itk::ImageIOBase::Pointer MakeImageIo(const fs::path& path) {
   }
   throw InputError(Message(path.string(),
                            ": is none of the volume formats that are known by their ending: "
-                           ".nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd"));
+                           ".nii, .nii.gz, .nii.bz2, .nrrd, .nhdr, .mha, .mhd"));
 }
 
 /// The readers of long and unsigned long give what the platform makes of it: 64 bits here.
@@ -204,10 +207,7 @@ void UseSpace(const fs::path& path, ScalarFile& file) {
   file.geometry.direction = other_side.asDiagonal() * file.geometry.direction;
 }
 
-/// @param volume  Of several over time; nothing: there must be one.
-ScalarFile ReadFile(const fs::path& path, int num_components, std::optional<int> volume = {}) {
-  ACUS_REQUIRE(RequireInputFile(path) > 0, path.string(), ": is empty");
-  MakeImageIo(path);  // Refuses unknown endings before anything is read.
+ScalarFile ReadPlain(const fs::path& path, int num_components, std::optional<int> volume) {
   CheckHeader(path, num_components, volume.has_value());
   try {
     std::vector<std::string> notes;
@@ -230,6 +230,30 @@ ScalarFile ReadFile(const fs::path& path, int num_components, std::optional<int>
   } catch (const std::length_error&) {
     throw InputError(Message(path.string(), ": its header is broken; export it again"));
   }
+}
+
+/// What `read` returns for the file, or for its unpacked copy; messages name the file.
+template <typename Read>
+auto OfUnpacked(const fs::path& path, const Read& read) {
+  const auto copy = UnpackedNifti(path);
+  if (!copy) return read(path);
+  try {
+    return read(copy->path());
+  } catch (const InputError& error) {
+    std::string text = error.what();
+    const std::string name = copy->path().string();
+    if (const auto at = text.find(name); at != text.npos)
+      text.replace(at, name.size(), path.string());
+    throw InputError(text);
+  }
+}
+
+/// @param volume  Of several over time; nothing: there must be one.
+ScalarFile ReadFile(const fs::path& path, int num_components, std::optional<int> volume = {}) {
+  ACUS_REQUIRE(RequireInputFile(path) > 0, path.string(), ": is empty");
+  MakeImageIo(path);  // Refuses unknown endings before anything is read.
+  return OfUnpacked(
+      path, [&](const fs::path& plain) { return ReadPlain(plain, num_components, volume); });
 }
 
 }  // namespace
@@ -261,7 +285,7 @@ bool IsScalarFileName(const fs::path& path) {
 std::string VolumeStem(const fs::path& path) {
   std::string name = path.filename().string();
   for (const std::string_view ending :
-       {".gz", ".nii", ".nrrd", ".nhdr", ".seg", ".mha", ".mhd", ".vti", ".dcm"}) {
+       {".gz", ".bz2", ".nii", ".nrrd", ".nhdr", ".seg", ".mha", ".mhd", ".vti", ".dcm"}) {
     if (name.ends_with(ending)) name.erase(name.size() - ending.size());
   }
   return name;
@@ -301,7 +325,9 @@ ScalarFile ReadScalarFile(const fs::path& path) {
 }
 
 int NumVolumes(const fs::path& path) {
-  return FormatOf(path) == Format::kNifti ? NiftiVolumes(ReadNiftiHeader(path)) : 1;
+  if (FormatOf(path) != Format::kNifti) return 1;
+  return OfUnpacked(path,
+                    [](const fs::path& plain) { return NiftiVolumes(ReadNiftiHeader(plain)); });
 }
 
 ScalarFile ReadVolumeOf(const fs::path& path, int number) {
@@ -322,6 +348,7 @@ void WriteScalarFile(const fs::path& path, const ScalarFile& file) {
   const std::string extension = path.extension().string();
   ACUS_REQUIRE(extension != ".mhd" && extension != ".nhdr", path.string(),
                ": header and data in two files are not written; use .mha or .nrrd");
+  ACUS_REQUIRE(extension != ".bz2", path.string(), ": bzip2 is not written; use .nii.gz");
   RequireUsable(file.geometry, path);
   try {
     const auto io = MakeImageIo(path);

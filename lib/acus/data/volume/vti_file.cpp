@@ -102,14 +102,17 @@ ScalarFile ReadVtiFile(const fs::path& path) {
   reader->UpdateInformation();
   ACUS_REQUIRE(
       reader->GetErrorCode() == vtkErrorCode::NoError && reader->GetNumberOfPointArrays() >= 1,
-      path.string(), ": cannot be read as VTK ImageData; it is cut off or broken");
+      path.string(),
+      ": has no values of points that can be read as VTK ImageData; export the volume with "
+      "values of points, not of cells");
   reader->Update();
   vtkImageData* image = reader->GetOutput();
   vtkDataArray* scalars =
       image->GetPointData()->GetNumberOfArrays() > 0 ? image->GetPointData()->GetArray(0) : nullptr;
   ACUS_REQUIRE(reader->GetErrorCode() == vtkErrorCode::NoError && scalars != nullptr &&
                    scalars->GetNumberOfComponents() == 1,
-               path.string(), ": has no readable scalar per point; it is cut off or broken");
+               path.string(),
+               ": has no number per point that can be read; export it again, with one array");
   ScalarFile file;
   const int* extent = image->GetExtent();
   Eigen::Vector3d first;

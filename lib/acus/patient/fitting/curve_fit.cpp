@@ -58,6 +58,7 @@ class Fitter {
   void FitFirstThatAnswers();
   std::vector<std::size_t> Candidates();
   void FitRise();
+  bool ShowsZero();
   void HoldOtherTerm(RiseLaw law, const Samples& rise);
   bool TryRise(const RiseLaw& law, const Samples& rise, double last_mm);
   Samples RiseSamples(double slope_n_per_mm, double& from_mm) const;
@@ -74,6 +75,7 @@ class Fitter {
   RiseLaw law_;
   std::optional<std::size_t> entry_;  ///< Of the punctures: where the needle comes in, if it does.
   Estimate held_;                     ///< Of the term that is held at 0.
+  bool shows_zero_ = true;            ///< The recording has the sensor's zero.
 };
 
 /// Samples of the rise before the main puncture, and the depth they begin at.
@@ -146,6 +148,7 @@ void Fitter::FitFirstThatAnswers() {
     fit_.is_entry = IsFreeApproach();
     rise_.reset();
     FitRise();
+    if (!shows_zero_) return;
     FitPlateau();
     if (fit_.converged) return;
     if (!first) first = fit_;
@@ -191,7 +194,11 @@ void Fitter::FitRise() {
     HoldOtherTerm(law, rise);
   }
   fit_.rise_rms_n = rise_->rms_n;
-  if (IsFreeApproach() && !fit_.offset_n) fit_.offset_n = rise_->Of(1);
+  if (IsFreeApproach() && !fit_.offset_n) {
+    shows_zero_ = ShowsZero();
+    if (!shows_zero_) return;
+    fit_.offset_n = rise_->Of(1);
+  }
   fit_.contact_depth_mm = rise_->Of(0);
   fit_.a1_n_per_mm = A1().AtLeast(0.0);
   fit_.a2_n_per_mm2 = A2().AtLeast(0.0);
@@ -209,6 +216,19 @@ void Fitter::FitRise() {
                          &fit_.puncture_depth_mm, &fit_.puncture_n}) {
     estimate->reset();
   }
+}
+
+/// Whether there are samples before contact, or it does not matter as the fitted zero is that of
+/// the recording. Otherwise the first sample may be inside tissue, or the sensor's zero may be off.
+bool Fitter::ShowsZero() {
+  const double first_mm = curve_.depth_mm[phases().advance.begin];
+  const double zero_n = rise_->parameters[1];
+  if (rise_->Of(0).low > first_mm || std::abs(zero_n) < phases().least_drop_n) return true;
+  fit_.message = Message(
+      "the force rises from the first sample on, at ", first_mm, " mm, where it is ", zero_n,
+      " N: either the recording begins inside tissue, or the sensor's zero is off by as much. "
+      "Record a rest, or 1.5 mm through air, before contact");
+  return false;
 }
 
 /// The term that is held at 0: what it could be, with the contact depth as it is.

@@ -146,7 +146,7 @@ IndentationTest ReadIndentationTest(const std::filesystem::path& path) {
     std::string cell[4];
     for (std::string& c : cell) {
       ACUS_REQUIRE(std::getline(cells, c, ','), where,
-                   ": has fewer than 4 cells; is the file cut off?");
+                   ": has fewer than 4 cells; complete the row, or remove it");
     }
     const double time_s = NumberAt(cell[0], where, "time_s");
     ACUS_REQUIRE(test.time_s.empty() || time_s > test.time_s.back(), where, ": time_s is ", time_s,

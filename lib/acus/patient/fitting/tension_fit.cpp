@@ -180,7 +180,7 @@ TensionTest ReadTensionTest(const std::filesystem::path& path) {
     std::string time, elongation, force;
     ACUS_REQUIRE(std::getline(cells, time, ',') && std::getline(cells, elongation, ',') &&
                      std::getline(cells, force, ','),
-                 where, ": has fewer than 3 cells; is the file cut off?");
+                 where, ": has fewer than 3 cells; complete the row, or remove it");
     test.time_s.push_back(NumberAt(time, where, "time_s"));
     test.elongation_mm.push_back(NumberAt(elongation, where, "elongation_mm"));
     test.force_n.push_back(NumberAt(force, where, "force_n"));

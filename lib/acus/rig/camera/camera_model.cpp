@@ -168,7 +168,7 @@ double CameraModel::HorizontalAngleDeg() const {
 
 CameraModel ReadCamera(const std::filesystem::path& path) {
   const std::string ending = path.extension().string();
-  if (ending == ".yml" || ending == ".yaml") return ReadOpenCvCamera(path);
+  if (ending == ".yml" || ending == ".yaml" || ending == ".xml") return ReadOpenCvCamera(path);
   return CameraOf(config::ReadConfig(path, "acus-camera"), path.string());
 }
 

@@ -1,5 +1,6 @@
 #include "acus/rig/camera/opencv_model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <opencv2/core.hpp>
@@ -9,12 +10,14 @@
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/input_file.h"
+#include "acus/base/core/xml_scan.h"
 
 namespace acus::camera {
 namespace {
 
-constexpr std::uintmax_t kMostYamlBytes = 1U << 20U;
+constexpr std::uintmax_t kMostFileBytes = 1U << 20U;
 constexpr std::size_t kMostCoefficients = 14;
+constexpr double kLeastFocalShare = 0.1;  // Of the width: 157 degrees. A wider lens is no pinhole.
 
 /// The first node of these names.
 cv::FileNode NodeOf(const cv::FileStorage& file, std::initializer_list<const char*> names,
@@ -54,8 +57,12 @@ CameraParameters ParametersFrom(const cv::FileStorage& file, const std::string& 
   const auto matrix =
       NumbersOf(NodeOf(file, {"camera_matrix", "Camera_Matrix", "cameraMatrix", "K"}, label),
                 label + ": camera_matrix");
-  ACUS_REQUIRE(matrix.size() == 9 && matrix[1] == 0.0 && matrix[3] == 0.0 && matrix[8] == 1.0,
-               label, ": camera_matrix is not [fx 0 cx; 0 fy cy; 0 0 1]");
+  const bool has_form = matrix.size() == 9 && matrix[1] == 0.0 && matrix[3] == 0.0 &&
+                        matrix[6] == 0.0 && matrix[7] == 0.0 && matrix[8] == 1.0;
+  ACUS_REQUIRE(has_form, label, ": camera_matrix is not [fx 0 cx; 0 fy cy; 0 0 1]");
+  ACUS_REQUIRE(std::min(matrix[0], matrix[4]) >= kLeastFocalShare * p.width_px, label,
+               ": camera_matrix has focal lengths of ", matrix[0], " and ", matrix[4],
+               " for an image of ", p.width_px, " pixels; they are needed in pixels");
   p.focal_px = {matrix[0], matrix[4]};
   p.centre_px = {matrix[2], matrix[5]};
   const auto lens = NumbersOf(NodeOf(file,
@@ -71,6 +78,9 @@ CameraParameters ParametersFrom(const cv::FileStorage& file, const std::string& 
   }
   p.radial = {lens[0], lens[1], lens.size() > 4 ? lens[4] : 0.0};
   p.tangential = {lens[2], lens[3]};
+  const cv::FileNode fisheye = file["fisheye_model"];
+  ACUS_REQUIRE(fisheye.empty() || (fisheye.isInt() && static_cast<int>(fisheye) == 0), label,
+               ": fisheye_model is set; lenses of five coefficients (k1 k2 p1 p2 k3) are modelled");
   const cv::FileNode model = file["distortion_model"];
   ACUS_REQUIRE(model.empty() || (model.isString() && model.string() == "plumb_bob"), label,
                ": distortion_model is ", model.isString() ? model.string() : "no word",
@@ -78,23 +88,39 @@ CameraParameters ParametersFrom(const cv::FileStorage& file, const std::string& 
   return p;
 }
 
+/// OpenCV's parser descends into elements, and needs its own root.
+void RequireShallowXml(const std::string& text, const std::string& label) {
+  constexpr int kMostDepth = 20;
+  const auto elements = core::ScanXml(text, label);
+  ACUS_REQUIRE(elements.front().name == "opencv_storage", label, ": the root is <",
+               elements.front().name, ">; <opencv_storage> of OpenCV's FileStorage is read");
+  for (const core::XmlElement& element : elements) {
+    ACUS_REQUIRE(element.depth <= kMostDepth, label, ": more than ", kMostDepth,
+                 " elements within each other");
+  }
+}
+
 }  // namespace
 
 CameraModel ReadOpenCvCamera(const std::filesystem::path& path) {
   const std::string label = path.string();
-  RequireInputFile(path, kMostYamlBytes);
+  RequireInputFile(path, kMostFileBytes);
   std::string text = ReadTextFile(path);
-  RequireJsonDepth(text, label);  // Its parser descends into braces, too.
-  if (!text.starts_with("%YAML")) text = "%YAML:1.0\n---\n" + text;
+  const bool is_xml = path.extension() == ".xml";
+  if (is_xml) RequireShallowXml(text, label);
+  RequireJsonDepth(text, label);  // Its parser of YAML descends into braces, too.
+  if (!is_xml && !text.starts_with("%YAML")) text = "%YAML:1.0\n---\n" + text;
+  const char* format = is_xml ? "XML" : "YAML";
   CameraParameters parameters;
   try {
     const cv::FileStorage file(
-        text, cv::FileStorage::READ | cv::FileStorage::MEMORY | cv::FileStorage::FORMAT_YAML);
-    ACUS_REQUIRE(file.isOpened(), label, ": is no YAML");
+        text, cv::FileStorage::READ | cv::FileStorage::MEMORY |
+                  (is_xml ? cv::FileStorage::FORMAT_XML : cv::FileStorage::FORMAT_YAML));
+    ACUS_REQUIRE(file.isOpened(), label, ": is no ", format);
     parameters = ParametersFrom(file, label);
     parameters.name = path.stem().string();
   } catch (const cv::Exception& error) {
-    throw InputError(Message(label, ": is no YAML of OpenCV: ", error.err));
+    throw InputError(Message(label, ": is no ", format, " of OpenCV: ", error.err));
   }
   try {
     return CameraModel(parameters);

@@ -19,8 +19,8 @@ cv::Mat ShiftOf(const Eigen::Isometry3d& pose);   ///< 3 x 1.
 /// From a 3 x 3 rotation and a translation.
 Eigen::Isometry3d PoseFrom(const cv::Mat& turn, const cv::Mat& shift);
 
-/// Reads a calibration that OpenCV or ROS wrote as YAML: image_width, image_height, camera_matrix
-/// and distortion_coefficients (also of other spellings).
+/// Reads a calibration that OpenCV or ROS wrote as YAML, or OpenCV as XML (.xml): image_width,
+/// image_height, camera_matrix and distortion_coefficients (also of other spellings).
 /// @throws InputError if a key is missing, a number is not finite, or the lens is of another model
 ///     than five coefficients describe.
 CameraModel ReadOpenCvCamera(const std::filesystem::path& path);

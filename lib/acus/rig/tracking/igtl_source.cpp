@@ -295,9 +295,12 @@ std::vector<std::string> IgtlSource::Receiver::WhyNotSeen(const IgtlReader& read
   }
   const auto& others = tools_.other_names();
   if (!others.empty()) more += "; names received: " + Joined(others);
-  if (others.empty() && more.empty() && reader.counts().other_messages > 0) {
-    more = Message("; ", reader.counts().other_messages,
-                   " messages came, of kinds that carry no pose");
+  const IgtlReader::Counts& counts = reader.counts();
+  if (others.empty() && more.empty() && counts.messages > 0) {
+    more = Message("; ", counts.messages, " messages came, of kinds that carry no pose");
+  } else if (others.empty() && more.empty() && counts.skipped_bytes > 0) {
+    more = Message("; ", counts.skipped_bytes,
+                   " bytes came that are no OpenIGTLink messages of versions 1 to 3");
   }
   for (std::string& text : why) {
     if (!text.empty()) text += more;

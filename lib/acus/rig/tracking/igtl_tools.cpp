@@ -79,6 +79,8 @@ void IgtlTools::Update(Transform& transform, const Eigen::Matrix4d& matrix, bool
   const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
   transform.off_rigid =
       (rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  transform.is_finite = matrix.allFinite();
+  transform.is_mirrored = rotation.determinant() < 0.0;
   if (transform.is_good) transform.frame_from_marker.matrix() = matrix;
 }
 
@@ -201,6 +203,8 @@ std::string IgtlTools::TroubleOf(const Transform& transform) const {
   }
   if (!transform.is_seen) return Message("'", name, "' says that it is not in view");
   if (transform.is_good) return {};
+  if (!transform.is_finite) return Message("'", name, "' has a number that is not finite");
+  if (transform.is_mirrored) return Message("the rotation of '", name, "' is mirrored");
   return Message("the rotation of '", name, "' is not rigid: R^T R differs from 1 by ",
                  transform.off_rigid, ", allowed are ", kRigidTolerance);
 }

@@ -51,6 +51,8 @@ class IgtlTools {
     Eigen::Isometry3d frame_from_marker = Eigen::Isometry3d::Identity();
     bool is_good = false;  ///< Seen, finite and rigid.
     bool is_seen = false;
+    bool is_finite = true;
+    bool is_mirrored = false;
     double off_rigid = 0.0;         ///< Largest element of R^T R - I.
     std::string list = {};          ///< Name of the TDATA that had it; empty if none had.
     std::uint64_t list_number = 0;  ///< Which of them.

@@ -56,12 +56,49 @@ TEST(CsvTable, ReadsWhatProgramsAndMachinesWrite) {
   ExpectCurve("Time (ms),Force [mN]\n0,0\n500,-1250\n1000,2500\n");
   ExpectCurve("Time,Force\n(s),(kN)\n0,0\n0.5,-0.00125\n1,0.0025\n");
   ExpectCurve("Specimen,A1\nDate,2024\n\nTime,Force,Note\ns,N,\n0,0,\n0.5,-1.25,\n1,2.5,\n");
+  ExpectCurve(
+      "\"Specimen label\",\"P1\"\n\"Rate 1\",\"120.0\",\"mm/min\"\n\n\"Time\",\"Force\",\"Note\"\n"
+      "\"(s)\",\"(N)\",\"\"\n\"0\",\"0\",\"\"\n\"0.5\",\"-1.25\",\"\"\n\"1\",\"2.5\",\"\"\n");
   ExpectCurve("% a\n// b\nTIME_S|FORCE_N\n0|0\n0.5|-1.25\n1|2.5\n||\n");
   std::string wide = "\xFF\xFE";
   for (const char c : std::string("time_s;force_n\n0;0\n0,5;-1,25\n1;2,5\n")) {
     wide += {c, '\0'};
   }
   ExpectCurve(wide);
+}
+
+TEST(CsvTable, TakesUnitsAndColumnsOfASidecarAsBidsHasThem) {
+  const testing_support::TemporaryFolder folder;
+  const auto table = [&](std::string_view text, std::string_view sidecar) {
+    WriteTextFile(folder / "push.tsv", text);
+    WriteTextFile(folder / "push.json", sidecar);
+    return CsvTable(folder / "push.tsv");
+  };
+  const CsvTable units = table("time\tforce\n0\t0\n500\t-1250\n1000\t2500\n",
+                               R"({"time": {"Units": "ms"}, "force": {"Units": "mN"}})");
+  EXPECT_EQ(units.Numbers("time_s"), (std::vector<double>{0.0, 0.5, 1.0}));
+  EXPECT_EQ(units.Numbers("force_n"), (std::vector<double>{0.0, -1.25, 2.5}));
+  EXPECT_THAT(units.how_read(), HasSubstr("units as in push.json"));
+  const CsvTable rows = table("0\t1\n-1.25\t1\n2.5\t1\n",
+                              R"({"Columns": ["force", "trigger"], "force": {"Units": "N"},
+                                  "SamplingFrequency": 2, "StartTime": -3.5})");
+  EXPECT_EQ(rows.Numbers("time_s"), (std::vector<double>{-3.5, -3.0, -2.5}));
+  EXPECT_EQ(rows.Numbers("force_n"), (std::vector<double>{0.0, -1.25, 2.5}));
+  for (const char* sidecar : {"[]", "{", R"({"Columns": "force"})", R"({"StartTime": "now"})",
+                              R"({"SamplingFrequency": 0})", R"({"time": {"Units": 3}})"}) {
+    EXPECT_THAT([&] { table("time\tforce\n0\t0\n", sidecar); },
+                ThrowsMessage<InputError>(HasSubstr("push.json: ")))
+        << sidecar;
+  }
+  // A table that has another name does not take it.
+  WriteTextFile(folder / "push.csv", "time\tforce\n0\t0\n");
+  EXPECT_THAT([&] { CsvTable(folder / "push.csv").Numbers("time_s"); },
+              ThrowsMessage<InputError>(HasSubstr("does not say its unit")));
+}
+
+TEST(CsvTable, NamesAFileThatIsCompressed) {
+  EXPECT_THAT([] { CsvTable(FileWith("\x1F\x8B\x08")); },
+              ThrowsMessage<InputError>(HasSubstr("compressed by gzip")));
 }
 
 TEST(CsvTable, SaysWhatItTook) {

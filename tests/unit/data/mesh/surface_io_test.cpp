@@ -86,6 +86,17 @@ TEST(ReadSurface, ReadsObjWithNegativeNumbersNormalsAndQuads) {
   EXPECT_THAT([&] { ReadSurface(path); }, ThrowsMessage<InputError>(HasSubstr("quad.obj:1")));
 }
 
+TEST(ReadSurface, ConvertsTheUnitInACommentOfObj) {
+  const auto path = TemporaryPath("unit.obj");
+  for (const auto& [comment, mm] :
+       {std::pair{"# Units: mm", 1.0}, std::pair{"# Units are in centimeters", 10.0},
+        std::pair{"#unit = inches", 25.4}, std::pair{"# Units: in", 25.4},
+        std::pair{"# drawn in metres", 1.0}}) {
+    WriteTextFile(path, std::string(comment) + "\nv 0 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\n");
+    EXPECT_NEAR(ReadSurface(path).nodes_mm.maxCoeff(), 2.0 * mm, 1e-9) << comment;
+  }
+}
+
 TEST(ReadSurface, ReadsTextAndBigEndianPly) {
   const auto path = TemporaryPath("any.ply");
   const std::string elements =

@@ -1,5 +1,6 @@
 #include "acus/patient/fitting/curve_fit.h"
 
+#include <algorithm>
 #include <cmath>
 #include <gmock/gmock.h>
 #include <map>
@@ -176,6 +177,36 @@ TEST(PunctureCurveFit, TakesTheLevelInAirAsTheSensorsZero) {
     EXPECT_NEAR(fit.plateau_n->value, truth.plateau_n, 0.05);
     EXPECT_FALSE(fit.starts_in_tissue);
   }
+}
+
+TEST(PunctureCurveFit, HasNoAnswerWhereTheSensorsZeroIsNotInTheRecording) {
+  const CurveParameters truth;  // Contact at 5 mm, puncture at 17 mm.
+  DrivePlan plan;
+  plan.rest_s = 0.0;
+  plan.rate_hz = 200.0;
+  const auto whole = SynthesizeForceCurve(truth, plan, 0.002, 3, "whole");
+  const auto from = [&](double depth_mm, double offset_n) {
+    ForceCurve curve = whole;
+    const auto begin =
+        std::ranges::find_if(whole.depth_mm, [&](double d) { return d >= depth_mm; }) -
+        whole.depth_mm.begin();
+    for (auto* column : {&curve.time_s, &curve.depth_mm, &curve.force_n}) {
+      column->erase(column->begin(), column->begin() + begin);
+    }
+    for (double& force_n : curve.force_n) force_n += offset_n;
+    return FitPunctureCurve(curve);
+  };
+  for (const double inside_mm : {9.0, 11.0, 13.0}) {
+    const auto fit = from(inside_mm, 0.0);
+    EXPECT_FALSE(fit.converged) << inside_mm;
+    EXPECT_FALSE(fit.plateau_n) << inside_mm;
+    EXPECT_THAT(fit.message, HasSubstr("begins inside tissue, or the sensor's zero")) << inside_mm;
+  }
+  EXPECT_FALSE(from(truth.contact_depth_mm, 0.4).converged);
+  // From contact on, with a sensor that was set to zero before.
+  const auto fit = from(truth.contact_depth_mm, 0.0);
+  ASSERT_TRUE(fit.converged) << fit.message;
+  EXPECT_NEAR(fit.plateau_n->value, truth.plateau_n, 0.05);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #include "acus/rig/camera/camera_model.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <limits>
 
 #include "acus/base/config/json_file.h"
@@ -119,6 +119,48 @@ TEST(CameraFile, ComesBackAsItWasWritten) {
   EXPECT_EQ(q.radial, p.radial);
   EXPECT_EQ(q.tangential, p.tangential);
   EXPECT_EQ(q.reprojection_rms_px, p.reprojection_rms_px);
+}
+
+constexpr const char* kOpenCvXml = R"(<?xml version="1.0"?>
+<opencv_storage>
+<image_width>1280</image_width>
+<image_height>720</image_height>
+<camera_matrix type_id="opencv-matrix"><rows>3</rows><cols>3</cols><dt>d</dt>
+  <data>1108.5 0. 645.2 0. 1106. 352.8 0. 0. 1.</data></camera_matrix>
+<distortion_coefficients type_id="opencv-matrix"><rows>5</rows><cols>1</cols><dt>d</dt>
+  <data>-0.12 0.06 0.0008 -0.0006 0.</data></distortion_coefficients>
+</opencv_storage>
+)";
+
+TEST(CameraFile, IsReadFromXmlOfOpenCv) {
+  const testing_support::TemporaryFolder folder;
+  WriteTextFile(folder / "camera.xml", kOpenCvXml);
+  const CameraParameters p = Webcam();
+  const CameraParameters q = ReadCamera(folder / "camera.xml").parameters();
+  EXPECT_EQ(q.width_px, p.width_px);
+  EXPECT_EQ(q.height_px, p.height_px);
+  EXPECT_EQ(q.focal_px, p.focal_px);
+  EXPECT_EQ(q.centre_px, p.centre_px);
+  EXPECT_EQ(q.radial, p.radial);
+  EXPECT_EQ(q.tangential, p.tangential);
+  const int refused = testing_support::ReadDamagedCopies(
+      kOpenCvXml, folder / "damaged.xml", 300, [&] { ReadCamera(folder / "damaged.xml"); });
+  EXPECT_GT(refused, 100);
+}
+
+TEST(CameraFile, OfAnotherLensOrInOtherUnitsIsRefused) {
+  const testing_support::TemporaryFolder folder;
+  const auto refused = [&](const std::string& text, const std::string& by, const char* why) {
+    std::string changed = kOpenCvXml;
+    changed.replace(changed.find(text), text.size(), by);
+    WriteTextFile(folder / "camera.xml", changed);
+    EXPECT_THAT([&] { ReadCamera(folder / "camera.xml"); },
+                testing::ThrowsMessage<InputError>(testing::HasSubstr(why)));
+  };
+  refused("</opencv_storage>", "<fisheye_model>1</fisheye_model></opencv_storage>", "fisheye");
+  refused("1108.5 0. 645.2 0. 1106. 352.8 0. 0. 1.", "1108.5 0. 0. 0. 1106. 0. 645.2 352.8 1.",
+          "[fx 0 cx; 0 fy cy; 0 0 1]");
+  refused("1108.5 0. 645.2 0. 1106. 352.8", "0.866 0. 0.504 0. 1.536 0.49", "in pixels");
 }
 
 TEST(CameraFile, DamagedCopiesAreReadOrRefused) {
