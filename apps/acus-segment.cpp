@@ -18,7 +18,9 @@ int main(int argc, char** argv) {
       "acus-segment"};
   app.footer(
       "Writes labels.seg.nrrd (3D Slicer), body.stl, skin.stl, bone.stl, preview_*.png,\n"
-      "volumes.csv, quality.json; vertebrae.seg.nrrd and vertebrae.csv where there is a spine.\n"
+      "report.html, volumes.csv, quality.json; vertebrae.seg.nrrd and vertebrae.csv where there "
+      "is\n"
+      "a spine.\n"
       "With --compare also agreement.csv: Dice and 95 % surface distance by tissue.\n\n"
       "EXAMPLE\n"
       "  acus-segment ct.nrrd -o segmented\n");

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The jobs of pipelines/demo: one patient, without participants and sessions, in one folder.
 
-Usage: demo.py OUTPUT CT SERIES SCENARIO TISSUE SEED ATLAS TARGET WINDOW LABELS; CT, SERIES, TISSUE and all
+Usage: demo.py OUTPUT CT SERIES SCENARIO TISSUE SEED ATLAS TARGET WINDOW LABELS MAPPING; CT, SERIES, TISSUE and all
 after SEED may be empty.
 """
 import os
@@ -17,7 +17,7 @@ import user  # noqa: E402
 from files import UserError, read_json, write_json  # noqa: E402
 
 
-def make_plan(output, ct, series, scenario, tissue, seed, atlas, scene_options, labels, cache):
+def make_plan(output, ct, series, scenario, tissue, seed, atlas, scene_options, labels, mapping, cache):
     options = plans.Options(scenarios=[scenario], tissue=tissue, mesh=True, folders=True, quiet=False,
                             replay_options=[], threads=os.cpu_count(), scene_options=scene_options,
                             scene_titles=True)
@@ -28,6 +28,8 @@ def make_plan(output, ct, series, scenario, tissue, seed, atlas, scene_options, 
         files["atlas"] = [{"path": atlas, "seed": None, "series": ""}]
     if labels:
         files["labels"] = [{"path": labels, "seed": None, "series": ""}]
+    if mapping:
+        files["label_mapping"] = [{"path": mapping, "seed": None, "series": ""}]
     plans.Patient(plan, "", "", files).jobs()
     return plan
 
@@ -51,23 +53,25 @@ def run(output, *arguments):
         raise UserError(f"not all jobs were run; see {output}/work/snakemake.log")
     refused = output / "mesh/refused.txt"
     mesh = f"none: {refused.read_text().strip()}" if refused.exists() else output / "mesh/mesh.vtu"
+    page = output / "segmentation/report.html"
+    tissues = page if page.exists() else output / "segmentation/preview_axial.png"
     print(f"""
 The programs took {time.monotonic() - begin:.0f} s. Look at:
   report      {output}/run/report.html
   film        {output}/run/film.mp4
   force plot  {output}/run/forces.svg
 and, of the steps before:
-  tissues     {output}/segmentation/preview_axial.png
+  tissues     {tissues}
   mesh        {mesh}""")
     del lock
     return 0
 
 
 def main(words):
-    folder, *words, seed_text, atlas_folder, target, window, labels = words
+    folder, *words, seed_text, atlas_folder, target, window, labels, mapping = words
     # As one word each: a point may begin with a minus.
     scene_options = [f"--{name}={value}" for name, value in (("target", target), ("window", window)) if value]
-    return run(pathlib.Path(folder), *words, int(seed_text), atlas_folder, scene_options, labels)
+    return run(pathlib.Path(folder), *words, int(seed_text), atlas_folder, scene_options, labels, mapping)
 
 
 if __name__ == "__main__":

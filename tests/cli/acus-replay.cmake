@@ -11,6 +11,11 @@ acus_add_cli_case(acus-replay.explain EXIT 0 NEEDS inputs LEAVES_NOTHING
   STDOUT "effect ultrasound is called for" "us/run" "^CT slice +image +out"
   COMMAND acus-replay scenarios/lumbar_puncture.json $INPUTS/session ${patient} --explain
           --set /effects/ct_slice=null)
+# Labels of which acus-segment is not sure: the scenario states it when it is loaded, and so does its report.
+acus_add_cli_case(acus-replay.unsure_labels EXIT 0 NEEDS inputs
+  BEFORE "ln -s $INPUTS/labels.seg.nrrd .\necho '{\"format\": \"acus-segmentation-quality/1\", \"parts\": [{\"name\": \"kidney_left\", \"sure\": false, \"in_labels\": true, \"why\": \"larger than 270 ml\"}, {\"name\": \"bone\", \"sure\": true, \"in_labels\": true, \"why\": \"\"}]}' > quality.json"
+  STDERR "warning: unsure in the labels of this patient: kidney_left .larger than 270 ml.\\. "
+  COMMAND bash -c "acus-replay $INPUTS/scenario.json $INPUTS/session --ct $INPUTS/ct.nrrd --labels labels.seg.nrrd --transform $INPUTS/ct_from_reference.tfm -o run --set /effects/ultrasound=null --set /effects/ct_slice=null && grep -q 'kidney_left (larger than 270 ml)' run/report.html && grep -q 'kidney_left (larger than 270 ml)' run/run.json")
 # A nick in the skin, at the corridor's entry: read only where it is called for.
 acus_add_cli_case(acus-replay.skin_nick EXIT 0 NEEDS inputs LEAVES_NOTHING
   STDOUT "^needle force +force +needle, tissue, needle preset, force table, corridor"

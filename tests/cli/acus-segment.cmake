@@ -1,7 +1,8 @@
 set(segment_ct "ln -s $INPUTS/ct.nrrd .")
 acus_add_cli_case(acus-segment.good EXIT 0 NEEDS inputs TIMEOUT 300 BEFORE "${segment_ct}"
   CREATES out/labels.seg.nrrd out/body.stl out/skin.stl out/bone.stl out/preview_axial.png
-          out/preview_coronal.png out/preview_sagittal.png out/volumes.csv out/provenance.json
+          out/preview_coronal.png out/preview_sagittal.png out/report.html out/volumes.csv
+          out/provenance.json STDOUT "part  .*why"
   COMMAND acus-segment ct.nrrd -o out)
 acus_add_cli_case(acus-segment.no_output EXIT 2 NEEDS inputs LEAVES_NOTHING BEFORE "${segment_ct}"
   STDERR "--output is required" COMMAND acus-segment ct.nrrd)

@@ -158,25 +158,6 @@ std::vector<OrganCheck> CheckOrgans(const volume::LabelMap& labels) {
   return checks;
 }
 
-std::string OrganTable(const std::vector<OrganCheck>& organs) {
-  if (organs.empty()) return "";
-  std::vector<std::vector<std::string>> rows;
-  bool any_doubt = false;
-  for (const OrganCheck& organ : organs) {
-    any_doubt = any_doubt || !organ.is_sure();
-    rows.push_back({organ.name, FixedText(organ.volume_ml, 0),
-                    Message(FixedText(organ.least_ml, 0), " to ", FixedText(organ.most_ml, 0)),
-                    organ.is_sure() ? "nothing" : Message("UNSURE: ", Joined(organ.doubts))});
-  }
-  std::string text = TextTable({"organ", "ml", "of adults, ml", "what speaks against it"}, rows);
-  if (any_doubt) {
-    text +=
-        "Look at unsure organs in labels.seg.nrrd (3D Slicer) before a needle is sent there. "
-        "To correct one: --import with its mask, or a seed in /organs of --config.\n";
-  }
-  return text;
-}
-
 volume::LabelMap WithDoubtsInNames(volume::LabelMap labels, const std::vector<OrganCheck>& organs) {
   for (const OrganCheck& organ : organs) {
     if (organ.is_sure()) continue;

@@ -24,9 +24,6 @@ struct OrganCheck {
 /// height.
 std::vector<OrganCheck> CheckOrgans(const volume::LabelMap& labels);
 
-/// A table for people: volume, range, what is doubtful. Empty without organs.
-std::string OrganTable(const std::vector<OrganCheck>& organs);
-
 /// The map with "(unsure)" in the names of tissues with a doubtful organ, for images.
 volume::LabelMap WithDoubtsInNames(volume::LabelMap labels, const std::vector<OrganCheck>& organs);
 

@@ -16,6 +16,7 @@
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/segmentation/muscle_smoothing.h"
 #include "acus/patient/segmentation/preview.h"
+#include "acus/patient/segmentation/quality_page.h"
 #include "acus/patient/segmentation/segmenters/wall_muscles.h"
 #include "acus/patient/segmentation/spine/spine.h"
 #include "acus/patient/segmentation/surfaces/skin_surface.h"
@@ -214,6 +215,7 @@ SegmentedPatient Examine(const volume::CtVolume& ct, const SegmentationConfig& c
       FindVertebrae(ct, found.labels, examination.start,
                     examination.vertebrae.voxels.empty() ? nullptr : &examination.vertebrae);
   patient.organs = CheckOrgans(found.labels);
+  patient.parts = PartsOf(found.labels, found.scan, patient.vertebrae, patient.organs);
   patient.scan = found.scan;
   patient.labels = std::move(found.labels);
   return patient;
@@ -234,8 +236,7 @@ std::string SummaryOf(const SegmentedPatient& patient) {
       "Body ", FixedText(body_ml, 0), " ml: ", Joined(parts), ".\n", "Bone from ",
       FixedText(scan.bone_threshold_hu, 0), " HU; soft tissue ", FixedText(scan.soft_tissue_hu, 0),
       " HU, noise ", FixedText(scan.noise_hu, 0), " HU; ", scan.enhanced ? "with" : "without",
-      " contrast agent.\n", SpineSentence(patient.labels), VertebraeSentence(patient.vertebrae),
-      OrganTable(patient.organs));
+      " contrast agent.\n", SpineSentence(patient.labels), VertebraeSentence(patient.vertebrae));
   if (patient.certainty) {
     std::vector<std::string> tissues;
     for (const auto& tissue : patient.certainty->tissues) {
@@ -244,7 +245,7 @@ std::string SummaryOf(const SegmentedPatient& patient) {
     text += Message("Unsure: ", FixedText(100.0 * patient.certainty->unsure_ml / body_ml, 1),
                     " % of the body. Dice with other thresholds: ", Joined(tissues), ".\n");
   }
-  return text;
+  return text + "\n" + PartsTable(patient.parts);
 }
 
 std::vector<Agreement> CompareWithReference(const volume::LabelMap& labels,
@@ -322,7 +323,9 @@ void WritePatientFolder(const fs::path& folder, const volume::CtVolume& ct,
   if (const auto surface = SurfaceOf("bone", bone, config.bone_surface, context)) {
     mesh::WriteSurface(out.path() / "bone.stl", *surface);
   }
-  WriteQuality(out.path() / "quality.json", patient.scan, patient.warnings, patient.organs,
+  WriteViews(out.path(), labels);
+  WriteQualityPage(out.path(), patient, context.provenance.ToJson());
+  WriteQuality(out.path() / "quality.json", patient.scan, patient.warnings, patient.parts,
                patient.certainty);
   if (!patient.vertebrae.empty()) WriteVertebrae(out.path(), patient.vertebrae);
   if (patient.certainty) WriteUnsure(out.path(), ct, *patient.certainty);

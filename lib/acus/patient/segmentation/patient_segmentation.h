@@ -8,6 +8,7 @@
 #include "acus/base/core/run_context.h"
 #include "acus/patient/segmentation/import/imported_labels.h"
 #include "acus/patient/segmentation/organ_checks.h"
+#include "acus/patient/segmentation/quality_parts.h"
 #include "acus/patient/segmentation/segmenters/organs.h"
 #include "acus/patient/segmentation/segmenters/tissues.h"
 #include "acus/patient/segmentation/spine/vertebrae.h"
@@ -60,6 +61,7 @@ struct SegmentedPatient {
   std::vector<std::string> warnings;
   Vertebrae vertebrae;
   std::vector<OrganCheck> organs;
+  std::vector<PartQuality> parts;
   std::optional<Certainty> certainty;
   std::vector<Agreement> agreement;
 };
@@ -69,7 +71,7 @@ SegmentedPatient Examine(const volume::CtVolume& ct, const SegmentationConfig& c
                          TissuesFound found, const Examination& examination,
                          const RunContext& context);
 
-/// For people, some lines: volumes, thresholds, spine, certainty.
+/// For people: volumes, thresholds, spine, certainty, and a table of what is sure and what is not.
 std::string SummaryOf(const SegmentedPatient& patient);
 
 /// The tissues of a CT: as in `labels`, or, if that is empty, found with the preset default.json.
@@ -77,10 +79,10 @@ std::string SummaryOf(const SegmentedPatient& patient);
 volume::LabelMap TissuesOf(const volume::CtVolume& ct, const std::filesystem::path& labels,
                            RunContext& context);
 
-/// Writes labels.seg.nrrd, body.stl, skin.stl, bone.stl, three previews, volumes.csv, quality.json,
-/// vertebrae.seg.nrrd and vertebrae.csv (if there are any), unsure.nrrd and preview_unsure.png
-/// (with a certainty), agreement.csv (if there is a reference) and provenance.json into a new
-/// folder, whole or not at all.
+/// Writes labels.seg.nrrd, body.stl, skin.stl, bone.stl, three previews, two views,
+/// report.html, volumes.csv, quality.json, vertebrae.seg.nrrd and vertebrae.csv (if there are any),
+/// unsure.nrrd and preview_unsure.png (with a certainty), agreement.csv (if there is a reference)
+/// and provenance.json into a new folder, whole or not at all.
 void WritePatientFolder(const std::filesystem::path& folder, const volume::CtVolume& ct,
                         const SegmentedPatient& patient, const SegmentationConfig& config,
                         const RunContext& context);

@@ -3,8 +3,10 @@
 #include <nlohmann/json.hpp>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/words.h"
 #include "acus/data/volume/labels_of_ct.h"
 #include "acus/data/volume/volume_io.h"
+#include "acus/patient/segmentation/quality_parts.h"
 #include "acus/patient/segmentation/surfaces/surface_scene.h"
 #include "acus/scene/simulation/coupled/coupled_effect.h"
 
@@ -70,6 +72,19 @@ const std::shared_ptr<const forces::CtField>& NeedHu(Scene& scene) {
   return scene.hu;
 }
 
+namespace {
+
+/// Targets and membranes lie in the labels: what is unsure there is unsure in the session.
+void WarnOfUnsureParts(const std::filesystem::path& labels, const RunContext& context) {
+  const std::vector<std::string> unsure = segmentation::UnsurePartsBeside(labels);
+  if (unsure.empty()) return;
+  context.Warn(Message("unsure in the labels of this patient: ", Joined(unsure, "; "),
+                       ". Forces, images and targets there may be wrong; look at report.html ",
+                       "beside ", labels.string()));
+}
+
+}  // namespace
+
 Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunContext& context) {
   RequireFiles(plan, scenario);
   Scene scene;
@@ -93,6 +108,7 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
     scene.labels = std::make_shared<volume::LabelMap>(volume::ReadTissues(scenario.patient.labels));
     context.provenance.AddInput(scenario.patient.labels);
     RequireOnePatient(scenario.patient, scene);
+    WarnOfUnsureParts(scenario.patient.labels, context);
   }
   if (plan.Needs(effects::ports::kNeedlePreset)) {
     scene.needle = forces::ReadNeedle(scenario.needle);

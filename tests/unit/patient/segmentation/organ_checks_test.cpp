@@ -56,7 +56,6 @@ TEST(OrganChecks, NothingSpeaksAgainstUsualOrgans) {
   const auto organs = CheckOrgans(body.labels);
   EXPECT_EQ(organs.size(), 4U);
   for (const OrganCheck& organ : organs) EXPECT_THAT(organ.doubts, IsEmpty()) << organ.name;
-  EXPECT_THAT(OrganTable(organs), testing::Not(HasSubstr("UNSURE")));
 }
 
 TEST(OrganChecks, AKidneyInTheBowelIsUnsure) {
@@ -67,7 +66,6 @@ TEST(OrganChecks, AKidneyInTheBowelIsUnsure) {
   EXPECT_THAT(body.DoubtsOf("kidney_left"), Contains(HasSubstr("mm higher")));
   EXPECT_THAT(body.DoubtsOf("kidney_left"), Contains(HasSubstr("times as large")));
   const auto organs = CheckOrgans(body.labels);
-  EXPECT_THAT(OrganTable(organs), testing::AllOf(HasSubstr("UNSURE"), HasSubstr("--import")));
   EXPECT_EQ(WithDoubtsInNames(body.labels, organs).names.at(volume::LabelOf("kidney")),
             "kidney (unsure)");
 }

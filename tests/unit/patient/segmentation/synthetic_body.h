@@ -19,6 +19,7 @@ struct SyntheticOptions {
   double noise_hu = 12.0;
   double blood_hu = 45.0;  ///< A vessel of 22 mm beside the spine; 300 with contrast agent.
   bool has_table = true;
+  double depth_mm = 170.0;  ///< Of the volume, from y = -80.
 };
 
 /// An elliptic trunk with a fat layer, one lung, bowel gas, a vertebra (cortex 700, marrow 150 HU,
@@ -26,8 +27,8 @@ struct SyntheticOptions {
 inline SyntheticBody MakeSyntheticBody(const SyntheticOptions& options) {
   volume::Geometry g;
   g.spacing_mm = Eigen::Array3d(options.spacing_mm, options.spacing_mm, 2.0);
-  g.size = {static_cast<int>(200 / options.spacing_mm), static_cast<int>(170 / options.spacing_mm),
-            30};
+  g.size = {static_cast<int>(200 / options.spacing_mm),
+            static_cast<int>(options.depth_mm / options.spacing_mm), 30};
   g.origin_mm = {-100.0, -80.0, 0.0};
   SyntheticBody body{volume::CtVolume(g, -1000), volume::LabelMap(g)};
   RandomStream random(9, "noise", 0);

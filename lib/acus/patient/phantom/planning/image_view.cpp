@@ -124,7 +124,8 @@ std::string ViewText(const ImageView& view) {
                                                  : "not the target, ";
   std::string text = Message(target, percent(view.needle), " of the needle; ", percent(view.face),
                              " of the face on soft tissue");
-  const auto most = std::ranges::max_element(view.hidden_by, {}, [](const auto& h) { return h.second; });
+  const auto most =
+      std::ranges::max_element(view.hidden_by, {}, [](const auto& h) { return h.second; });
   if (view.target < 0.5 && most != view.hidden_by.end()) {
     text += Message("; ", percent(static_cast<double>(most->second) / kBeams),
                     " of the beams end at ", most->first, " above it");

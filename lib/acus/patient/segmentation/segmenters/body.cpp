@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "acus/base/core/parallel.h"
+#include "acus/patient/segmentation/segmenters/supports.h"
 #include "acus/patient/segmentation/segmenters/tissues.h"
 
 namespace acus::segmentation {
@@ -137,9 +138,11 @@ Mask FindBody(const volume::CtVolume& ct, const Mask& unseen, const TissueOption
                                                  parts.num_voxels.begin());
   const double ml = ct.geometry.voxel_volume_mm3() / 1000.0;
   std::vector<std::uint8_t> is_tissue(parts.num_voxels.size(), 0);
+  const std::vector<std::uint8_t> is_support =
+      SupportsAmong(ct, parts, options.body_min_part_ml, AxialAxis(ct.geometry));
   for (std::size_t n = 1; n < is_tissue.size(); ++n) {
     is_tissue[n] =
-        static_cast<std::int32_t>(n) != largest &&
+        static_cast<std::int32_t>(n) != largest && is_support[n] == 0 &&
                 static_cast<double>(parts.num_voxels[n]) * ml >= options.body_min_part_ml &&
                 MedianHu(samples[n]) > kLowestTissueMedianHu
             ? 1

@@ -31,9 +31,9 @@ struct TissueOptions {
 ///
 /// What is denser than air is opened by a ball, which parts the thin table top from the body; the
 /// largest part and others of at least body_min_part_ml that look like tissue and are as thick as a
-/// limb are kept and grown back; cavities are filled slice by slice (axial), so that lungs cut by
-/// the border stay inside, also those behind a wall thinner than the ball, and those that the field
-/// of view cuts.
+/// limb and are no supports are kept and grown back; cavities are filled slice by slice (axial), so
+/// that lungs cut by the border stay inside, also those behind a wall thinner than the ball, and
+/// those that the field of view cuts.
 /// @param unseen  What lies beyond the scanner's field of view: UnseenBy.
 /// @throws InputError if there is nothing denser than air.
 Mask FindBody(const volume::CtVolume& ct, const Mask& unseen, const TissueOptions& options,

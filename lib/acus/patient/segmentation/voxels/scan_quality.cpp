@@ -159,7 +159,7 @@ std::vector<std::string> WarningsOf(const volume::CtVolume& ct, const TissuesFou
 }
 
 void WriteQuality(const std::filesystem::path& path, const ScanParameters& scan,
-                  const std::vector<std::string>& warnings, const std::vector<OrganCheck>& organs,
+                  const std::vector<std::string>& warnings, const std::vector<PartQuality>& parts,
                   const std::optional<Certainty>& certainty) {
   json out = {{"format", "acus-segmentation-quality/1"},
               {"scan",
@@ -171,13 +171,15 @@ void WriteQuality(const std::filesystem::path& path, const ScanParameters& scan,
                 {"spine_found", scan.has_spine},
                 {"field_of_view", ToJson(scan.field)}}},
               {"warnings", warnings},
-              {"organs", json::array()},
+              {"parts", json::array()},
               {"certainty", nullptr}};
-  for (const OrganCheck& organ : organs) {
-    out["organs"].push_back({{"name", organ.name},
-                             {"volume_ml", organ.volume_ml},
-                             {"sure", organ.is_sure()},
-                             {"doubts", organ.doubts}});
+  for (const PartQuality& part : parts) {
+    out["parts"].push_back({{"name", part.name},
+                            {"sure", part.is_sure},
+                            {"why", part.why},
+                            {"look_at", part.look_at},
+                            {"correct", part.correct},
+                            {"in_labels", part.is_in_labels}});
   }
   if (certainty) {
     json tissues = json::object();

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "acus/patient/segmentation/organ_checks.h"
+#include "acus/patient/segmentation/quality_parts.h"
 #include "acus/patient/segmentation/segmenters/tissues.h"
 
 namespace acus::segmentation {
@@ -35,10 +35,10 @@ void RequireCt(const volume::CtVolume& ct);
 /// would be bone (30 % in a volume without air), which no patient has.
 std::vector<std::string> WarningsOf(const volume::CtVolume& ct, const TissuesFound& found);
 
-/// quality.json: what was found out about the scan, the warnings, what speaks against organs,
+/// quality.json: what was found out about the scan, the warnings, what is sure and what is not,
 /// and the certainty if there is one.
 void WriteQuality(const std::filesystem::path& path, const ScanParameters& scan,
-                  const std::vector<std::string>& warnings, const std::vector<OrganCheck>& organs,
+                  const std::vector<std::string>& warnings, const std::vector<PartQuality>& parts,
                   const std::optional<Certainty>& certainty);
 
 }  // namespace acus::segmentation

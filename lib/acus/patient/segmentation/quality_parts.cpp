@@ -1,0 +1,150 @@
+#include "acus/patient/segmentation/quality_parts.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/text_table.h"
+#include "acus/base/core/words.h"
+#include "acus/data/volume/label_map_content.h"
+#include "acus/data/volume/labels.h"
+
+namespace acus::segmentation {
+namespace {
+
+constexpr double kThinSlicesMm = 3.2;  ///< Discs and ligaments are a few mm thick.
+constexpr double kNoisyHu = 45.0;
+constexpr double kMostCutShare = 0.05;
+
+const char* const kSlices = "preview_*.png, labels.seg.nrrd (3D Slicer)";
+
+PartQuality OrganPart(const OrganCheck& organ) {
+  PartQuality part{.name = organ.name,
+                   .is_sure = organ.is_sure(),
+                   .why = Message(FixedText(organ.volume_ml, 0), " ml; of adults ",
+                                  FixedText(organ.least_ml, 0), " to ",
+                                  FixedText(organ.most_ml, 0), " ml"),
+                   .look_at = "",
+                   .correct = ""};
+  if (organ.is_sure()) return part;
+  part.why = Message(Joined(organ.doubts), "; ", part.why);
+  part.look_at = kSlices;
+  part.correct = "--import MASK, or a seed in /organs of --config";
+  return part;
+}
+
+/// "L3=1.0,2.0,3.0" with the centre of a whole vertebra in the middle of the list.
+std::string ExampleOfName(const Vertebrae& vertebrae) {
+  const Vertebra& middle = vertebrae.list[vertebrae.list.size() / 2];
+  const Eigen::Vector3d& p = middle.centre_mm;
+  return Message("--vertebra NAME=", FixedText(p.x(), 1), ",", FixedText(p.y(), 1), ",",
+                 FixedText(p.z(), 1), " with the name of ", middle.name);
+}
+
+PartQuality NamesPart(const Vertebrae& vertebrae) {
+  PartQuality part{.name = "names of vertebrae",
+                   .is_sure = vertebrae.doubt.empty() && vertebrae.named_from != NamedFrom::kLastRib,
+                   .why = Message(vertebrae.list.front().name, " to ", vertebrae.list.back().name),
+                   .look_at = "",
+                   .correct = ""};
+  if (part.is_sure) return part;
+  part.why += vertebrae.doubt.empty()
+                  ? "; from the last pair of ribs alone, which in some people is not that of T12"
+                  : "; " + vertebrae.doubt;
+  part.look_at = "preview_sagittal.png, vertebrae.seg.nrrd";
+  part.correct = ExampleOfName(vertebrae);
+  return part;
+}
+
+PartQuality Judged(const std::string& name, const std::string& why, const std::string& doubt,
+                   const std::string& correct) {
+  if (doubt.empty()) return {.name = name, .is_sure = true, .why = why, .look_at = "", .correct = ""};
+  return {.name = name,
+          .is_sure = false,
+          .why = why.empty() ? doubt : Message(doubt, "; ", why),
+          .look_at = kSlices,
+          .correct = correct};
+}
+
+}  // namespace
+
+std::vector<PartQuality> PartsOf(const volume::LabelMap& labels, const ScanParameters& scan,
+                                 const Vertebrae& vertebrae,
+                                 const std::vector<OrganCheck>& organs) {
+  const auto counts = volume::CountsByLabel(labels);
+  const double ml = labels.geometry.voxel_volume_mm3() / 1000.0;
+  const auto volume_of = [&](const char* name) {
+    return static_cast<double>(counts[volume::LabelOf(name)]) * ml;
+  };
+  const auto text_of = [&](const char* name) { return FixedText(volume_of(name), 0) + " ml"; };
+  const double slices_mm = labels.geometry.spacing_mm.maxCoeff();
+  const std::string thick =
+      slices_mm > kThinSlicesMm
+          ? Message("voxels of ", FixedText(slices_mm, 1), " mm do not resolve them")
+          : std::string();
+  const std::string noisy =
+      scan.noise_hu > kNoisyHu ? Message("noise of ", FixedText(scan.noise_hu, 0), " HU")
+                               : std::string();
+  std::vector<PartQuality> parts;
+  for (const OrganCheck& organ : organs) parts.push_back(OrganPart(organ));
+  if (!vertebrae.empty()) {
+    parts.push_back(NamesPart(vertebrae));
+    parts.back().is_in_labels = false;
+  }
+  if (volume_of("spinal_canal") > 0.0) {
+    parts.push_back(Judged("spinal_canal", text_of("spinal_canal"), noisy, "--import MASK"));
+  } else {
+    parts.push_back(Judged("spinal_canal", "",
+                           "no closed rings of bone were found, so that the spine has no parts",
+                           "--import MASK, or a CT with thinner slices"));
+    parts.back().is_in_labels = false;
+  }
+  for (const char* name : {"disc", "ligament"}) {
+    if (volume_of(name) == 0.0) continue;
+    parts.push_back(Judged(name, text_of(name), thick.empty() ? noisy : thick,
+                           "--import MASK, or a CT with slices of at most 3 mm"));
+  }
+  parts.push_back(Judged("bone", text_of("bone"),
+                         volume_of("bone") == 0.0 ? "none was found" : noisy,
+                         "--import MASK, or thresholds in /bone of --config"));
+  const double cut = volume_of("cut");
+  const double layer = volume_of("skin") + cut;
+  parts.push_back(Judged(
+      "skin", text_of("skin"),
+      layer <= 0.0 ? "the CT shows no skin: nothing can be planned from it"
+      : cut > kMostCutShare * layer
+          ? Message("the scanner's circle cuts ", FixedText(100.0 * cut / layer, 0), " % of it")
+          : std::string(),
+      "a reconstruction with a larger field of view"));
+  return parts;
+}
+
+std::string PartsTable(const std::vector<PartQuality>& parts) {
+  std::vector<std::vector<std::string>> rows;
+  std::string corrections;
+  for (const PartQuality& part : parts) {
+    rows.push_back({part.name, part.is_sure ? "sure" : "UNSURE", part.why});
+    if (part.is_sure) continue;
+    corrections += Message("To correct ", part.name, ": look at ", part.look_at, "; ",
+                           part.correct, ".\n");
+  }
+  return TextTable({"part", "", "why"}, rows) + corrections;
+}
+
+std::vector<std::string> UnsurePartsBeside(const std::filesystem::path& labels_file) {
+  const std::filesystem::path file = labels_file.parent_path() / "quality.json";
+  std::vector<std::string> unsure;
+  if (!std::filesystem::is_regular_file(file)) return unsure;
+  const nlohmann::json quality = config::ReadJson(file);
+  const bool is_ours =
+      quality.is_object() && quality.value("format", "") == "acus-segmentation-quality/1";
+  if (!is_ours || !quality.contains("parts")) return unsure;
+  for (const auto& part : quality.at("parts")) {
+    if (part.at("sure").get<bool>() || !part.at("in_labels").get<bool>()) continue;
+    unsure.push_back(Message(part.at("name").get<std::string>(), " (",
+                             part.at("why").get<std::string>(), ")"));
+  }
+  return unsure;
+}
+
+}  // namespace acus::segmentation

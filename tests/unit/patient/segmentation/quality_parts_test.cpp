@@ -1,0 +1,99 @@
+#include "acus/patient/segmentation/quality_parts.h"
+
+#include <gmock/gmock.h>
+
+#include "acus/base/core/atomic_file.h"
+#include "acus/data/volume/labels.h"
+#include "acus/patient/segmentation/patient_segmentation.h"
+#include "support/temporary_folder.h"
+#include "synthetic_body.h"
+
+namespace acus::segmentation {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+/// A body with skin, bone, canal and disc in voxels of a size.
+volume::LabelMap Labels(double slices_mm) {
+  volume::Geometry g;
+  g.size = {20, 20, 20};
+  g.spacing_mm = {1.0, 1.0, slices_mm};
+  volume::LabelMap labels(g, volume::LabelOf("soft_tissue"));
+  int k = 2;
+  for (const char* name : {"skin", "bone", "spinal_canal", "disc"}) {
+    for (int i = 0; i < 20; ++i) labels.At(i, 10, k) = volume::LabelOf(name);
+    ++k;
+  }
+  return labels;
+}
+
+const PartQuality& Part(const std::vector<PartQuality>& parts, const std::string& name) {
+  const auto found = std::ranges::find(parts, name, &PartQuality::name);
+  if (found == parts.end()) throw std::runtime_error("no part " + name);
+  return *found;
+}
+
+Vertebrae NamedFromRibs() {
+  Vertebrae vertebrae;
+  vertebrae.list = {{.name = "T12", .is_whole = true, .centre_mm = {1, 2, 30}, .volume_ml = 40},
+                    {.name = "L1", .is_whole = true, .centre_mm = {1, 2, -4}, .volume_ml = 41}};
+  vertebrae.named_from = NamedFrom::kLastRib;
+  return vertebrae;
+}
+
+TEST(QualityParts, OfAGoodScanAreSure) {
+  for (const PartQuality& part : PartsOf(Labels(1.0), {}, {}, {})) {
+    EXPECT_TRUE(part.is_sure) << part.name;
+  }
+}
+
+TEST(QualityParts, NameWhatSpeaksAgainstThemAndTheCorrection) {
+  const ScanParameters noisy{.field = {}, .noise_hu = 60.0};
+  const auto parts = PartsOf(Labels(5.0), noisy, NamedFromRibs(), {});
+  EXPECT_THAT(Part(parts, "disc").why, HasSubstr("5.0 mm do not resolve"));
+  EXPECT_THAT(Part(parts, "bone").why, HasSubstr("noise of 60 HU"));
+  EXPECT_THAT(Part(parts, "names of vertebrae").why, HasSubstr("last pair of ribs"));
+  EXPECT_THAT(PartsTable(parts), AllOf(HasSubstr("UNSURE"), HasSubstr("--vertebra NAME=1.0,2.0,-4.0"),
+                                       HasSubstr("preview_sagittal.png")));
+}
+
+TEST(QualityParts, AMissingSpineAndSkinAreUnsure) {
+  volume::LabelMap labels = Labels(1.0);
+  for (auto& label : labels.voxels) {
+    if (label != volume::LabelOf("bone")) label = volume::LabelOf("soft_tissue");
+  }
+  const auto parts = PartsOf(labels, {}, {}, {});
+  EXPECT_FALSE(Part(parts, "spinal_canal").is_sure);
+  EXPECT_THAT(Part(parts, "skin").why, HasSubstr("no skin"));
+}
+
+TEST(QualityParts, AreReadFromTheFolderOfTheLabels) {
+  const testing_support::TemporaryFolder folder;
+  const auto labels = folder / "labels.seg.nrrd";
+  EXPECT_THAT(UnsurePartsBeside(labels), IsEmpty());
+  WriteQuality(folder / "quality.json", {}, {}, PartsOf(Labels(5.0), {}, NamedFromRibs(), {}), {});
+  // Names of vertebrae are no labels.
+  EXPECT_THAT(UnsurePartsBeside(labels), testing::ElementsAre(HasSubstr("disc (voxels of 5.0 mm")));
+  WriteTextFile(folder / "quality.json", "{}");  // Of another program.
+  EXPECT_THAT(UnsurePartsBeside(labels), IsEmpty());
+}
+
+TEST(QualityPage, HasTheTableTheImagesAndTheVolumes) {
+  const testing_support::TemporaryFolder folder;
+  const SyntheticBody body = MakeSyntheticBody({.noise_hu = 60.0});
+  const auto config = ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json");
+  const RunContext context;
+  const auto patient = Examine(body.ct, config, SegmentPatient(body.ct, config, context), {}, context);
+  WritePatientFolder(folder / "out", body.ct, patient, config, context);
+  const std::string page = acus::ReadTextFile(folder / "out" / "report.html");
+  EXPECT_THAT(page, AllOf(HasSubstr("What is sure, what is not"), HasSubstr("acus-segment --import"),
+                          HasSubstr("sagittal plane"), HasSubstr("as seen from behind"),
+                          HasSubstr("of adults, ml")));
+  EXPECT_TRUE(std::filesystem::exists(folder / "out" / "view_back.png"));
+}
+
+}  // namespace
+}  // namespace acus::segmentation
