@@ -159,21 +159,28 @@ TEST(ImageSpeed, FiveElevationPlanesTakeSevenSlices) {
 /// The probe and the settings of the preset liver_biopsy_aperture, on the CT and its labels, with
 /// needle and tissue that gives way.
 struct AperturePreset {
-  explicit AperturePreset(const DisplayOptions& display = {})
+  explicit AperturePreset(const DisplayOptions& display = {}, bool structure = true)
       : labels(Ct().geometry),
         table(acoustics::ReadTissueAcoustics(std::filesystem::path(ACUS_SOURCE_DIR) /
                                              "configs/acoustics/tissues.json")) {
+    const Eigen::Array3i& size = labels.geometry.size;
     for (std::size_t v = 0; v < labels.voxels.size(); ++v) {
       const int hu = Ct().voxels[v];
-      labels.voxels[v] = static_cast<volume::Label>(hu < -500 ? 0 : hu > 400 ? 2 : 1);
+      // Muscle above, liver below.
+      const std::size_t j =
+          v / static_cast<std::size_t>(size[0]) % static_cast<std::size_t>(size[1]);
+      const int soft = 2 * j < static_cast<std::size_t>(size[1]) ? 3 : 1;
+      labels.voxels[v] = static_cast<volume::Label>(hu < -500 ? 0 : hu > 400 ? 2 : soft);
     }
-    labels.names = {{1, "liver"}, {2, "bone"}};
+    labels.names = {{1, "liver"}, {2, "bone"}, {3, "muscle"}};
     const acoustics::Probe probe = acoustics::ReadProbe(std::filesystem::path(ACUS_SOURCE_DIR) /
                                                         "configs/probes/curvilinear_c5_2.json");
     ApertureOptions options;
     options.display = display;
-    renderer.emplace(BeamTissue{.ct = &Ct(), .labels = &labels, .acoustics = &table}, probe,
-                     options, kThreads);
+    options.fibre_texture = options.organ_structure = structure;
+    BeamTissue tissue{.ct = &Ct(), .labels = &labels, .acoustics = &table};
+    tissue.fibres_in_ct["muscle"] = {0.0, 0.0, 1.0};
+    renderer.emplace(tissue, probe, options, kThreads);
   }
   void Render(const Eigen::Isometry3d& pose, int num_threads) {
     const image::NeedleInImage needle = NeedleInPlane(pose);
@@ -220,6 +227,27 @@ void ExpectShareOfPlain(double limit, const char* what, const DisplayOptions& di
   EXPECT_NE(plain.image.pixels, persistence.on() ? mean.pixels : shown.image.pixels) << what;
   std::printf("%s: %.2f ms of CPU instead of %.2f, %.2f times\n", what, with.cpu_ms, without.cpu_ms,
               share());
+}
+
+// Fascicles and septa of half of the image.
+TEST(ImageSpeed, StructureOfTissueCostsATenth) {
+  AperturePreset with;
+  AperturePreset without({}, false);
+  LeastTime with_time;
+  LeastTime without_time;
+  const auto share = [&] { return with_time.cpu_ms / without_time.cpu_ms; };
+  testing_support::MeasureUntil(
+      20, 200,
+      [&] {
+        const Eigen::Isometry3d pose = SwayingProbe(with.n);
+        without_time.Add([&] { without.Render(pose, 1); });
+        with_time.Add([&] { with.Render(pose, 1); });
+      },
+      [&] { return share() <= 1.1; });
+  EXPECT_LE(share(), 1.1);
+  EXPECT_NE(with.image.pixels, without.image.pixels);
+  std::printf("structure: %.2f ms of CPU instead of %.2f, %.2f times\n", with_time.cpu_ms,
+              without_time.cpu_ms, share());
 }
 
 TEST(ImageSpeed, DisplaysCostWhatTheirPageSays) {

@@ -55,6 +55,8 @@ ultrasound::ApertureOptions ApertureOptionsFrom(const nlohmann::json& json) {
   options.strong_loss_db_per_mm = json.at("strong_loss_db_per_mm");
   options.clutter_db = json.at("clutter_db");
   options.noise_db = json.at("noise_db");
+  options.organ_structure = json.at("organ_structure");
+  options.tgc_limit_db = json.at("tgc_limit_db");
   return options;
 }
 

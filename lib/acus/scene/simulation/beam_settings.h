@@ -3,11 +3,12 @@
 
 #include <Eigen/Core>
 #include <map>
+#include <memory>
 #include <string>
 
 #include "acus/data/volume/volume.h"
 #include "acus/imaging/acoustics/tissue_acoustics.h"
-#include "acus/imaging/ultrasound/aperture/aperture_options.h"
+#include "acus/imaging/ultrasound/aperture/aperture_tissue.h"
 #include "acus/scene/scenario/ultrasound_effect.h"
 
 namespace acus::simulation {
@@ -26,6 +27,9 @@ struct ApertureSettings {
   bool from_ct = true;
   bool from_labels = true;
   std::map<std::string, Eigen::Vector3d> fibres_in_ct;  ///< By tissue name, at rest.
+  /// What all renderers of the scene share.
+  std::shared_ptr<ultrasound::ApertureTissueStore> store =
+      std::make_shared<ultrasound::ApertureTissueStore>();
 };
 
 /// @param labels  As below.

@@ -5,6 +5,17 @@ namespace {
 
 using Renderer = UltrasoundModel::Renderer;
 
+/// The gain of a preset with TGC is that of beam space, where a perfect reflector echoes 0 dB. In
+/// the columns of 2010 echoes are shares of a column without attenuation by depth: 14 dB less and
+/// no TGC show the same tissue at the same grey.
+acoustics::Probe ForColumns(acoustics::Probe probe) {
+  constexpr double kLessGainDb = 14.0;
+  if (probe.tgc_db_per_cm <= 0.0) return probe;
+  probe.gain_db -= kLessGainDb;
+  probe.tgc_db_per_cm = 0.0;
+  return probe;
+}
+
 /// Constructs the renderer for each type of settings.
 struct MakeRenderer {
   const ImagePatient& patient;
@@ -18,7 +29,8 @@ struct MakeRenderer {
                     options, patient.triangles);
   }
   Renderer operator()(const ultrasound::BModeOptions& options) const {
-    return Renderer(std::in_place_type<ultrasound::BModeRenderer>, *patient.ct, probe, options);
+    return Renderer(std::in_place_type<ultrasound::BModeRenderer>, *patient.ct, ForColumns(probe),
+                    options);
   }
   Renderer operator()(const BeamSettings& settings) const {
     const ultrasound::BeamTissue tissue{.ct = settings.from_ct ? patient.ct : nullptr,
@@ -33,7 +45,7 @@ struct MakeRenderer {
                                         .acoustics = &settings.acoustics,
                                         .fibres_in_ct = settings.fibres_in_ct};
     return Renderer(std::in_place_type<ultrasound::ApertureRenderer>, tissue, probe,
-                    settings.options);
+                    settings.options, 2, settings.store.get());
   }
 };
 

@@ -16,7 +16,7 @@ using testing_support::LabelledBlock;
 class FibreStreaksTest : public testing::Test {
  protected:
   volume::LabelMap labels_ = LabelledBlock(
-      {100, 100, 100}, 1.0, {{1, "muscle"}, {2, "fat"}},
+      {100, 100, 100}, 1.0, {{1, "muscle"}, {2, "liver"}},
       [](double, double, double z) { return static_cast<volume::Label>(z < 90.0 ? 1 : 2); });
 
   FibreStreaks Make(const Eigen::Vector3d& along, std::uint64_t seed = 7) const {
@@ -122,6 +122,22 @@ TEST_F(FibreStreaksTest, OtherTissueIsLeftAlone) {
   for (const float value : Along(Make({0, 1, 0}), 40.0F, 95.0F)) EXPECT_EQ(value, 1.0F);
   BeamTissue tissue{.labels = &labels_};
   EXPECT_FALSE(FibreStreaks(tissue, 0).any());
+}
+
+// Lobules of fat are dark between bright septa; their mean in dB is that of the tissue.
+TEST_F(FibreStreaksTest, FatAndSoftTissueHaveSepta) {
+  labels_.names = {{1, "soft_tissue"}, {2, "liver"}};
+  EXPECT_NEAR(MeanDb({0, 1, 0}), 0.0, 0.5);
+  labels_.names = {{1, "fat"}, {2, "liver"}};
+  EXPECT_NEAR(MeanDb({0, 1, 0}), 0.0, 0.5);
+  std::vector<float> all = Along(FibreStreaks({.labels = &labels_}, 3), 40.0F, 40.0F);
+  std::sort(all.begin(), all.end());
+  const auto db_at = [&](double share) {
+    return 10.0 * std::log10(double{
+                      all[static_cast<std::size_t>(share * static_cast<double>(all.size() - 1))]});
+  };
+  EXPECT_LT(db_at(0.25), -2.0);
+  EXPECT_GT(db_at(0.97), 6.0);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "acus/scene/simulation/ultrasound_model.h"
 
+#include <algorithm>
+#include <filesystem>
 #include <gtest/gtest.h>
 #include <set>
 
@@ -77,6 +79,26 @@ TEST(BeamSettings, FibresThatShowAtAllHaveADirection) {
       EXPECT_NEAR(std::abs(fibres.at("tendon").x()), 1.0, 1e-3);
     }
   }
+}
+
+// The gain of a probe for beam space, with its TGC, would leave nothing but white.
+TEST(UltrasoundModel, ColumnsAreNotWhiteUnderAProbeForBeamSpace) {
+  const Scene scene =
+      testing_support::LayeredScene(testing_support::PlanOf(false, true, false, false), false);
+  const acoustics::Probe probe = acoustics::ReadProbe(std::filesystem::path(ACUS_SOURCE_DIR) /
+                                                      "configs/probes/curvilinear_c5_2.json");
+  const ImageSettings settings =
+      ReadImageSettings(EffectOf("columns_2010"), probe, scene.labels.get());
+  image::GrayImage image;
+  UltrasoundModel({scene.ct.get(), scene.labels.get()}, probe, settings)
+      .Render(OnTheSkin(), std::nullopt, image);
+  const auto share = [&](int least) {
+    const auto count = std::count_if(image.pixels.begin(), image.pixels.end(),
+                                     [&](std::uint8_t grey) { return grey >= least; });
+    return static_cast<double>(count) / static_cast<double>(image.pixels.size());
+  };
+  EXPECT_LT(share(250), 0.05);
+  EXPECT_GT(share(20), 0.05);
 }
 
 TEST(UltrasoundModel, GainActsInEveryModel) {

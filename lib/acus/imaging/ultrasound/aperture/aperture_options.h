@@ -19,10 +19,14 @@ struct ApertureOptions : BeamOptions {
     diffuse_share = 0.03;
     needle_transmission_db = -5.0;
     needle_ring_decay = 0.15;
-    needle_tip_echo = 0.35;
+    needle_lobe_deg = 22.0;
+    needle_diffuse_share = 0.01;
+    needle_tip_echo = 0.1;
   }
 
-  bool texture = true;      ///< Scatterers follow the CT within each tissue.
+  bool texture = true;  ///< Scatterers follow the CT within each tissue.
+  /// Kidney, capsules, walls and the spinal canal are filled with what a CT does not resolve.
+  bool organ_structure = false;
   bool clutter = true;      ///< Haze of nearby echoes, which fills shadows.
   bool noise = true;        ///< Electronic noise of the receiver.
   bool ring_down = true;    ///< Echoes of the probe itself, next to its face.
@@ -40,7 +44,10 @@ struct ApertureOptions : BeamOptions {
   double rough_layer_db = -14.0;  ///< Its start, relative to a mirror's echo.
   double clutter_db = -29.0;      ///< Amplitude, relative to the echoes around.
   double clutter_reach_mm = 2.5;
-  double noise_db = -134.0;     ///< Amplitude at the receiver; 0 dB is a perfect flat reflector.
+  double noise_db = -134.0;  ///< Amplitude at the receiver; 0 dB is a perfect flat reflector.
+  /// TGC grows no further where it would lift the noise above black: at a gain of 28 dB, that of
+  /// the presets, the noise then stays 4 dB below a range of 60 dB.
+  double tgc_limit_db = 42.0;
   double ring_down_db = -30.0;  ///< Amplitude of the first echo of the face.
 };
 

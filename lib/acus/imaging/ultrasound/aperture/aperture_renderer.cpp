@@ -11,6 +11,7 @@
 #include "acus/base/core/random.h"
 #include "acus/imaging/acoustics/beam_width.h"
 #include "acus/imaging/ultrasound/aperture/aperture_rows.h"
+#include "acus/imaging/ultrasound/aperture/aperture_tissue.h"
 #include "acus/imaging/ultrasound/aperture/aperture_tracer.h"
 #include "acus/imaging/ultrasound/beams/beam_input.h"
 #include "acus/imaging/ultrasound/beams/beam_kernels.h"
@@ -18,7 +19,6 @@
 #include "acus/imaging/ultrasound/beams/refraction.h"
 #include "acus/imaging/ultrasound/beams/side_lobes.h"
 #include "acus/imaging/ultrasound/columns/echo_list.h"
-#include "acus/imaging/ultrasound/columns/fibre_streaks.h"
 #include "acus/imaging/ultrasound/display/beam_display.h"
 #include "acus/imaging/ultrasound/display/compound_image.h"
 #include "acus/imaging/ultrasound/speckle/clutter_haze.h"
@@ -104,7 +104,7 @@ float PlaceNoise(const Eigen::Vector3f& index, int n) {
 
 struct ApertureRenderer::State {
   State(const BeamTissue& tissue, const acoustics::Probe& checked_probe,
-        const ApertureOptions& checked_options, std::shared_ptr<const AcousticVolume> given_volume)
+        const ApertureOptions& checked_options, std::shared_ptr<const ApertureTissue> given_tissue)
       : probe(checked_probe),
         options(WithLeastReflection(checked_options)),
         geometry(tissue.labels != nullptr ? tissue.labels->geometry : tissue.ct->geometry),
@@ -112,8 +112,8 @@ struct ApertureRenderer::State {
         samples_per_row(SamplesPerRow(grid, geometry)),
         rows(Coarser(grid, samples_per_row)),
         filter(probe, options, grid),
-        shared_volume(std::move(given_volume)),
-        volume(*shared_volume),
+        shared(std::move(given_tissue)),
+        volume(shared->volume),
         rays(probe, rows, options.aperture_rays),
         steered(probe.kind == acoustics::ProbeKind::kPhased && grid.lines() > 1
                     ? std::make_unique<SteeredRays>(probe, rows, options.aperture_rays)
@@ -125,7 +125,7 @@ struct ApertureRenderer::State {
         needle(probe, options, grid),
         samples_per_shown(SamplesPerShownRow(probe, grid)),
         shown_rows(ShownRows(grid, samples_per_shown)),
-        display(probe, shown_rows, options.display),
+        display(probe, shown_rows, options.display, options.tgc_limit_db),
         haze(grid.lines(), kernels::RoundUp(grid.lines()), rows.step_mm, options.clutter_reach_mm,
              ClutterDb(options)) {
     MakePlanes();
@@ -136,10 +136,6 @@ struct ApertureRenderer::State {
           rays);
     }
     MakeSideLobes();
-    if (options.fibre_texture && tissue.labels != nullptr && !tissue.fibres_in_ct.empty()) {
-      streaks.emplace(tissue, options.seed);
-      if (!streaks->any()) streaks.reset();
-    }
     echoes.re.Resize(grid.lines(), grid.samples);
     echoes.im.Resize(grid.lines(), grid.samples);
     intensity.Resize(grid.lines(), grid.samples);
@@ -217,8 +213,8 @@ struct ApertureRenderer::State {
     const int count = std::min(ApertureTracer::kLanesPerBlock, grid.lines() - first);
     const BeamPath& path = planes.front().path;
     for (int k = 0; k < rows.samples; ++k) {
-      streaks->ApplyRow(path.Voxels(path.PieceAt(k), first), static_cast<float>(k), count,
-                        tracer.scatter2(k) + first);
+      shared->streaks->ApplyRow(path.Voxels(path.PieceAt(k), first), static_cast<float>(k), count,
+                                tracer.scatter2(k) + first);
     }
   }
 
@@ -435,7 +431,7 @@ struct ApertureRenderer::State {
   int samples_per_row;
   acoustics::ScanGrid rows;  ///< Of tissue, coarser than the samples.
   BeamFilter filter;
-  std::shared_ptr<const AcousticVolume> shared_volume;  ///< The same for all angles.
+  std::shared_ptr<const ApertureTissue> shared;  ///< The same for all angles.
   const AcousticVolume& volume;
   ApertureRays rays;
   std::unique_ptr<SteeredRays> steered;  ///< Phased probes only.
@@ -452,8 +448,7 @@ struct ApertureRenderer::State {
   float rough_layer = 0.0F;  ///< Amplitude of its echoes, of the surface's.
   float rough_decay = 0.0F;  ///< From sample to sample.
   ComplexBeams echoes;
-  slicing::BeamImage speckle;  ///< Amplitude, by row of tissue.
-  std::optional<FibreStreaks> streaks;
+  slicing::BeamImage speckle;        ///< Amplitude, by row of tissue.
   std::unique_ptr<SideLobes> lobes;  ///< Null: none, or none that is visible.
   slicing::BeamImage strong;         ///< Intensity that lobes spread, by row of tissue.
   float per_planes = 1.0F;
@@ -483,7 +478,7 @@ void ApertureRenderer::State::TraceAndCompress(
       HashOf(ct_from_probe) ^ std::bit_cast<std::uint64_t>(probe.steer_rad);
   ParallelFor(tracer.blocks(), num_threads, [this](int block) {
     tracer.TraceBlock(planes, block, field);
-    if (streaks) AddStreaks(block);
+    if (shared->streaks) AddStreaks(block);
     AddNeedleShadow(block);
   });
   field.March(tracer.SmoothContact(), num_threads);
@@ -519,18 +514,18 @@ void ApertureRenderer::State::TraceAndCompress(
 }
 
 ApertureRenderer::ApertureRenderer(const BeamTissue& tissue, const acoustics::Probe& probe,
-                                   const ApertureOptions& options, int num_threads) {
+                                   const ApertureOptions& options, int num_threads,
+                                   ApertureTissueStore* store) {
   const BeamTissue& checked = CheckedBeamTissue(tissue, "aperture");
   const acoustics::Probe middle = ProbeOfLook(CheckedBeamProbe(probe), options.display, 0);
   Checked(options);
-  const auto volume = std::make_shared<const AcousticVolume>(
-      checked, BeamMaterials(checked, WithLeastReflection(options), middle, 1.0), options.texture,
-      num_threads);
-  state_ = std::make_unique<State>(checked, middle, options, volume);
+  ApertureTissueStore own;
+  const auto shared = (store != nullptr ? *store : own).Get(checked, middle, options, num_threads);
+  state_ = std::make_unique<State>(checked, middle, options, shared);
   std::vector<BeamDisplay*> displays = {&state_->display};
   for (int look = 1; look < options.display.compound_angles; ++look) {
     state_->angles.push_back(std::make_unique<State>(
-        checked, ProbeOfLook(probe, options.display, look), options, volume));
+        checked, ProbeOfLook(probe, options.display, look), options, shared));
     displays.push_back(&state_->angles.back()->display);
   }
   if (displays.size() > 1) state_->compound.emplace(std::move(displays));

@@ -14,6 +14,8 @@
 
 namespace acus::ultrasound {
 
+class ApertureTissueStore;
+
 /// As BeamRenderer, but boundaries of tissues are smooth surfaces, losses are averaged over the
 /// aperture, scatterers follow the patient's CT, and a receiver adds what receivers add.
 ///
@@ -21,11 +23,13 @@ namespace acus::ultrasound {
 class ApertureRenderer {
  public:
   /// Reads the volumes and the table of `tissue` here, on up to `num_threads` threads, and keeps
-  /// nothing of them but four bytes per voxel around the patient.
+  /// nothing of them but some bytes per voxel around the patient.
+  /// @param store  If given, renderers that are made with it share those bytes.
   /// @throws InputError if the probe or an option is out of range, the volumes are missing, empty
   ///     or do not fit each other, or a label has no acoustic entry.
   ApertureRenderer(const BeamTissue& tissue, const acoustics::Probe& probe,
-                   const ApertureOptions& options, int num_threads = 2);
+                   const ApertureOptions& options, int num_threads = 2,
+                   ApertureTissueStore* store = nullptr);
   ~ApertureRenderer();
   ApertureRenderer(ApertureRenderer&&) noexcept;
   ApertureRenderer& operator=(ApertureRenderer&&) noexcept;

@@ -17,6 +17,9 @@ constexpr double kFlattestSlopePerMm = 0.0005;
 constexpr std::size_t kCrossingsPerLine = 64;
 /// Root mean square height of the surfaces of tissues. Estimate.
 constexpr double kRoughnessMm = 0.03;
+/// Reflections stronger than those between soft tissues, and weaker than that of whole bone.
+constexpr double kLeastPartOfBone = 0.11;
+constexpr double kMostPartOfBone = 0.55;
 constexpr double kNepersPerDb = std::numbers::ln10 / 20.0;
 
 }  // namespace
@@ -180,14 +183,22 @@ void ApertureTracer::AddCrossings(const Pass& pass, int k, ApertureField& field)
 ApertureTracer::SurfaceEcho ApertureTracer::EchoOf(const Crossing& at) const {
   double towards_probe = 1.0;
   double cosine = 1.0;
-  const Eigen::Vector3d normal =
+  Eigen::Vector3d normal =
       options_.angle ? volume_.NormalAt(at.index.cast<double>()) : Eigen::Vector3d::Zero();
   if (!normal.isZero(0.0)) {
     const Eigen::Vector3d along =
         (at.step.cast<double>().array() * spacing_mm_).matrix().normalized();
-    cosine = std::min(1.0, std::abs(along.dot(normal)));
     const Eigen::Vector3d across_mm = at.across.cast<double>().array() * spacing_mm_;
     const Eigen::Vector3d sideways = (across_mm - along.dot(across_mm) * along).normalized();
+    const double strength = std::abs(double{at.reflection});
+    if (strength > kLeastPartOfBone && strength < kMostPartOfBone) {
+      // The smoothed edge of bone or gas beside the plane: its slope out of the plane is that of
+      // the smoothing, not of the surface.
+      const Eigen::Vector3d out_of_plane = along.cross(sideways);
+      const Eigen::Vector3d in_plane = normal - out_of_plane.dot(normal) * out_of_plane;
+      if (in_plane.norm() > 0.1) normal = in_plane.normalized();
+    }
+    cosine = std::min(1.0, std::abs(along.dot(normal)));
     const double tan_in_plane = std::abs(sideways.dot(normal)) / std::max(cosine, 1e-3);
     const int sample = static_cast<int>(at.row) * fine_per_row_;
     const double oblique = filter_.AcrossOverAlong(sample) * tan_in_plane;

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "acus/base/core/parallel.h"
+#include "acus/imaging/ultrasound/beams/organ_structure.h"
 #include "acus/imaging/ultrasound/columns/ct_texture.h"
 #include "acus/imaging/ultrasound/speckle/binomial_window.h"
 
@@ -30,8 +31,9 @@ struct Slice {
 /// Reads the acoustic values of voxels, before any smoothing.
 class VoxelReader {
  public:
-  VoxelReader(const BeamTissue& tissue, const BeamMaterials& per_mm, const CtTexture* texture)
-      : tissue_(tissue), materials_(per_mm), texture_(texture) {
+  VoxelReader(const BeamTissue& tissue, const BeamMaterials& per_mm, const CtTexture* texture,
+              const OrganStructure* organs)
+      : tissue_(tissue), materials_(per_mm), texture_(texture), organs_(organs) {
     const kernels::LabelTables tables = per_mm.label_tables();
     for (std::size_t n = 0; n < 256; ++n) {
       label_values_[0][n] = std::clamp(tables.log_impedance[n], kLowestZeta, kHighestZeta);
@@ -67,6 +69,11 @@ class VoxelReader {
         out[2][x] *= texture_->GainAt(first_voxel + static_cast<std::size_t>(x));
       }
     }
+    for (int x = 0; organs_ != nullptr && x < count; ++x) {
+      const std::size_t voxel = first_voxel + static_cast<std::size_t>(x);
+      out[0][x] += organs_->ZetaAt(voxel);
+      out[2][x] *= organs_->GainAt(voxel);
+    }
   }
 
  private:
@@ -98,6 +105,7 @@ class VoxelReader {
   const BeamTissue& tissue_;
   const BeamMaterials& materials_;
   const CtTexture* texture_;
+  const OrganStructure* organs_;
   std::array<std::array<float, 256>, 3> label_values_{};
   image::AlignedFloats hu_;
   image::AlignedFloats zeta_;
@@ -141,13 +149,16 @@ std::uint32_t Code(float scaled, std::uint32_t codes) {
 }  // namespace
 
 AcousticVolume::AcousticVolume(const BeamTissue& tissue, const BeamMaterials& per_mm, bool texture,
-                               int num_threads) {
+                               int num_threads, std::optional<std::uint64_t> organs) {
   std::optional<CtTexture> ct_texture;
   if (texture && tissue.ct != nullptr && tissue.labels != nullptr) {
     ct_texture.emplace(*tissue.ct, *tissue.labels, num_threads);
   }
   const CtTexture* const gains = ct_texture ? &*ct_texture : nullptr;
-  const VoxelReader reader(tissue, per_mm, gains);
+  std::optional<OrganStructure> organ_structure;
+  if (organs && tissue.labels != nullptr) organ_structure.emplace(*tissue.labels, *organs);
+  const OrganStructure* const structure = organ_structure ? &*organ_structure : nullptr;
+  const VoxelReader reader(tissue, per_mm, gains, structure);
   const volume::Geometry& geometry = reader.geometry();
   FindBox(reader, first_, size_);
   per_spacing_mm_ = geometry.spacing_mm.inverse().cast<float>();
@@ -184,7 +195,7 @@ AcousticVolume::AcousticVolume(const BeamTissue& tissue, const BeamMaterials& pe
   };
   const int pieces = (size_[2] + kSlicesPerPiece - 1) / kSlicesPerPiece;
   ParallelFor(pieces, num_threads, [&](int piece) {
-    VoxelReader rows(tissue, per_mm, gains);
+    VoxelReader rows(tissue, per_mm, gains, structure);
     std::array<Slice, 5> ring;
     Slice smooth;
     for (Slice& slice : ring) slice.Resize(static_cast<std::size_t>(size_[0]) * size_[1]);

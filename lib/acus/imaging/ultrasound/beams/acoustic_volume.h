@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "acus/imaging/ultrasound/aperture/aperture_kernels.h"
@@ -21,8 +22,10 @@ class AcousticVolume {
  public:
   /// Reads labels and CT once, on `num_threads` threads; nothing of them is kept.
   /// @param per_mm  Materials for one millimetre from sample to sample.
+  /// @param organs  If given, with labels: the structure of organs (organ_structure.h), of this
+  ///     seed.
   AcousticVolume(const BeamTissue& tissue, const BeamMaterials& per_mm, bool texture,
-                 int num_threads);
+                 int num_threads, std::optional<std::uint64_t> organs = {});
 
   const kernels::AcousticVoxels& voxels() const { return view_; }
 

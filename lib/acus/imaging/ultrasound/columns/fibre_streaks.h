@@ -1,5 +1,5 @@
-// Fascicles of muscle: how their echo depends on the angle of the beam, and the streaks between
-// them.
+// Connective tissue that no CT resolves: fascicles of muscle, how their echo depends on the angle
+// of the beam, and septa between lobules of fat.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,6 +8,7 @@
 
 #include "acus/imaging/slicing/kernels.h"
 #include "acus/imaging/ultrasound/beams/beam_options.h"
+#include "acus/imaging/ultrasound/columns/fibre_kernels.h"
 
 namespace acus::ultrasound {
 
@@ -17,39 +18,53 @@ namespace acus::ultrasound {
 /// vitro, J. Acoust. Soc. Am. 107:1027, 2000); its end along the fibres, -20 dB, is an estimate.
 double FibreIntensity(double cosine);
 
-/// Changes the scatterers of labelled tissues with fibres: by FibreIntensity, and by sheets of
-/// perimysium along the fibres. Each fascicle is about 2 mm wide and some centimetres long; a sheet
-/// that faces the beam sends back 30 dB more than what it encloses, one that is turned by 30
-/// degrees 22 dB (chosen on recorded frames of a leg). The mean of tissue across the beam, in dB,
-/// does not change.
+/// Changes the scatterers of labelled tissues by sheets of connective tissue, fixed in the tissue
+/// at rest.
+///
+/// Tissues with fibres: by FibreIntensity, and by sheets of perimysium along the fibres. Each
+/// fascicle is about 2 mm wide and some centimetres long; a sheet that faces the beam sends back
+/// 30 dB more than what it encloses, one that is turned by 30 degrees 22 dB (chosen on recorded
+/// frames of a leg). The mean of tissue across the beam, in dB, does not change.
+///
+/// The label "fat": septa around lobules of about 6 mm, without a direction of their own; one that
+/// faces the beam sends back 20 dB more than the lobules (estimate). The label "soft_tissue" of a
+/// CT whose muscles are not labelled: fasciae 3 mm apart from head to foot, as strong (estimate).
+/// The mean of both in dB does not change.
 class FibreStreaks {
  public:
   /// Reads the labels once; keeps one byte per voxel. @pre tissue has labels.
   /// @param tissue  Its fibres_in_ct name the tissues and their directions.
   FibreStreaks(const BeamTissue& tissue, std::uint64_t seed);
 
-  bool any() const { return !fibres_.empty(); }
+  bool any() const { return !sheets_.empty(); }
 
   /// Multiplies intensity of scatterers at sample `s` of each lane, in the tissue at rest.
+  /// @pre at most kMostLanes; rows are as long as the next multiple of kBlock lanes.
+  static constexpr int kMostLanes = 64;
   void ApplyRow(const slicing::kernels::Lines& lines, float s, int lanes, float* intensity) const;
 
  private:
-  struct Fibre {
-    Eigen::Matrix3f cells_from_index;  ///< Fascicles: across, across, along.
-    Eigen::Vector3f along;             ///< Unit, mm along the voxel axes.
+  /// How the sheets of one tissue lie and answer.
+  struct Law {
+    double across_mm;
+    double along_mm;
+    double fibre_nepers;
+    double half_thickness;  ///< In units of the noise.
+    double between;
+    double sheet;
+    double lobe_deg;
+    double diffuse_share;
   };
-  /// Noise whose middle level is a sheet, and its slope from cell to cell.
-  struct Sheet {
-    float noise;
-    Eigen::Vector3f slope;
-  };
-  Sheet SheetAt(const Eigen::Vector3f& cell) const;
+  static const Law kMuscle;
+  static const Law kFat;
+  static const Law kSoft;
+  void Add(const Law& law, const Eigen::Vector3d& along_in_voxels);
 
   std::uint32_t seed_;
-  std::vector<Fibre> fibres_;
-  std::vector<std::uint8_t> code_;  ///< 0: no fibres; else number of the fibre + 1.
+  std::vector<kernels::SheetRow> sheets_;  ///< Without the row.
+  std::vector<std::uint32_t> codes_;       ///< By voxel a byte. 0: none; else number of sheets + 1.
   Eigen::Array3i size_;
-  Eigen::Array3f spacing_mm_;
+  Eigen::Array3d spacing_mm_;
 };
 
 }  // namespace acus::ultrasound

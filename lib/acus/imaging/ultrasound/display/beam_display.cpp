@@ -23,7 +23,7 @@ int PiecesOfDisplay(int rows) {
 }  // namespace
 
 BeamDisplay::BeamDisplay(const acoustics::Probe& probe, const acoustics::ScanGrid& grid,
-                         const DisplayOptions& display)
+                         const DisplayOptions& display, double tgc_limit_db)
     : grid_(grid),
       image_(acoustics::ImageOf(probe)),
       fan_(probe.kind != acoustics::ProbeKind::kLinear || probe.steer_rad != 0.0),
@@ -36,7 +36,7 @@ BeamDisplay::BeamDisplay(const acoustics::Probe& probe, const acoustics::ScanGri
   scale_ = static_cast<float>(grey_per_db * 10.0 * std::log10(2.0));
   for (int k = 0; k < grid.samples; ++k) {
     const double depth_mm = k * grid.step_mm;
-    double gain_db = probe.gain_db + probe.tgc_db_per_cm * 0.1 * depth_mm;
+    double gain_db = probe.gain_db + std::min(probe.tgc_db_per_cm * 0.1 * depth_mm, tgc_limit_db);
     if (probe.second_harmonic)
       gain_db += 20.0 * std::log10(acoustics::HarmonicBuildUp(probe, depth_mm));
     offset_.push_back(static_cast<float>(255.0 + grey_per_db * gain_db));

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "acus/data/image/image.h"
@@ -21,9 +22,11 @@ namespace acus::ultrasound {
 class BeamDisplay {
  public:
   /// @param probe  As ProbeOfLook makes it. Both it and `grid` must outlive this.
+  /// @param tgc_limit_db  TGC grows with depth up to this.
   /// @throws InputError if a setting of the display is out of range.
   BeamDisplay(const acoustics::Probe& probe, const acoustics::ScanGrid& grid,
-              const DisplayOptions& display = {});
+              const DisplayOptions& display = {},
+              double tgc_limit_db = std::numeric_limits<double>::infinity());
 
   /// Compresses rows [first, last) of beams. Independent for different rows.
   void Compress(const slicing::BeamImage& intensity, int first, int last);
