@@ -7,6 +7,8 @@ A template knows each sweep and each file of facts by its name, and `min`, `max`
     {{ claims.fe_4mm_nodes | digits(4) }}             a number with more
     {{ require(2 < log(...) / log(4) < 3) -}}         nothing if that holds; before the sentence that says so
     {{ table(...) }}, {{ pivot(...) }}                rows of a sweep (tables.py)
+    {{ work({"nodes": [361, claims.nodes]}) }}        whether that is the same work (pipelines/paper_pages/work.py)
+    {{ word(claims.image_ms, 16) }}                   slower, faster or as fast as the paper's time
     {{ figure("name", "title", ...) }}                a figure (figures.py) as figures/name.svg
 """
 import math
@@ -17,6 +19,10 @@ import traceback
 
 import figures
 import jinja2
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "pipelines" / "paper_pages"))
+import rows  # noqa: E402
+import work  # noqa: E402
 from files import UserError
 from measured import FUNCTIONS, Claim, Number, read_folder, rounded
 from tables import pivot, table
@@ -43,7 +49,7 @@ class Page:
                                          undefined=jinja2.StrictUndefined, keep_trailing_newline=True)
         environment.filters["digits"] = self.number
         environment.globals.update(measured, require=self.require, table=table, pivot=pivot, figure=self.figure,
-                                   **FUNCTIONS)
+                                   work=self.work, word=self.word, **FUNCTIONS)
         try:
             self.text = environment.get_template(path.name).render()
         except jinja2.TemplateSyntaxError as error:
@@ -78,6 +84,18 @@ class Page:
             why = f"what the text says no longer holds: {claim.text}"
             self.problem(template_line(), why if claim.measured else "what the text says was not measured")
         return f" **(not so in this run: {claim.text})** " if claim.measured else " **(not measured in this run)** "
+
+    def work(self, parts):
+        return work.verdict({what: tuple(map(self.plain, sides)) for what, sides in parts.items()})
+
+    def word(self, ours, paper):
+        if not math.isfinite(ours):
+            return self.number(ours)
+        return rows.word(ours, paper, "**slower**", "faster", "as fast")
+
+    def plain(self, value):
+        """A number that was not measured is none of the paper's: the same mark as elsewhere."""
+        return self.number(value) if isinstance(value, Number) and not math.isfinite(value) else value
 
     def figure(self, name, title, sweep, x, y, lines=None, points=()):
         self.figures[name] = figures.svg(title, sweep, x, y, lines or {}, points)

@@ -107,24 +107,28 @@ Vector3d TrunkBody::BreathMm(const Vector3d& rest_mm) {
           -18.0 * share};
 }
 
-breathing::MotionField TrunkBody::Breath(int nodes_per_axis) {
+breathing::MotionField TrunkBody::Breath(int nodes_per_axis, int num_components) {
   volume::Geometry nodes;
   nodes.size.setConstant(nodes_per_axis);
   nodes.spacing_mm.setConstant(400.0 / (nodes_per_axis - 1));
   nodes.origin_mm.setConstant(-200.0);
-  breathing::MotionField field(nodes, 1);
-  std::vector<float> values;
+  breathing::MotionField field(nodes, num_components);
   const Eigen::Affine3d ct_from_index = nodes.ct_from_index();
-  for (int k = 0; k < nodes_per_axis; ++k) {
-    for (int j = 0; j < nodes_per_axis; ++j) {
-      for (int i = 0; i < nodes_per_axis; ++i) {
-        for (const double mm : BreathMm(ct_from_index * Vector3d(i, j, k))) {
-          values.push_back(static_cast<float>(mm));
+  for (int component = 0; component < num_components; ++component) {
+    std::vector<float> values;
+    for (int k = 0; k < nodes_per_axis; ++k) {
+      for (int j = 0; j < nodes_per_axis; ++j) {
+        for (int i = 0; i < nodes_per_axis; ++i) {
+          const Vector3d mm = BreathMm(ct_from_index * Vector3d(i, j, k));
+          for (int axis = 0; axis < 3; ++axis) {
+            const double value = component == 0 ? mm[axis] : 0.1 * mm[(axis + component) % 3];
+            values.push_back(static_cast<float>(value));
+          }
         }
       }
     }
+    field.SetComponent(component, values);
   }
-  field.SetComponent(0, values);
   return field;
 }
 

@@ -21,7 +21,8 @@ struct TrunkBody {
 
   /// Breath: the upper part down by 18 mm, with strains up to some 0.3.
   static Eigen::Vector3d BreathMm(const Eigen::Vector3d& rest_mm);
-  static breathing::MotionField Breath(int nodes_per_axis);
+  /// With more components than one, the others are a tenth of it, along other axes.
+  static breathing::MotionField Breath(int nodes_per_axis, int num_components = 1);
 };
 
 }  // namespace acus::benchmarks

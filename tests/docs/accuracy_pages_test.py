@@ -2,8 +2,11 @@
 and what a template may ask for."""
 import contextlib
 import io
+import json
 import os
 import pathlib
+import random
+import re
 import subprocess
 import sys
 import tempfile
@@ -84,7 +87,7 @@ class StoredPages(WithTemplates):
 
     def test_are_made_of_a_few_settings_too(self):
         """A quick run has fewer settings: where text and tables miss them they say so."""
-        for path in (DOCS / "data").iterdir():
+        for path in (DOCS / "data").glob("*.*"):
             lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
             knobs = [line.split(",")[0] for line in lines]
             kept = [line for n, line in enumerate(lines) if n == 0 or knobs[n] != knobs[n - 1]]
@@ -93,6 +96,34 @@ class StoredPages(WithTemplates):
         self.assertIn("**(not measured in this run)**", page)
         with self.assertRaises(UserError):
             make_pages(DOCS / "templates", self.folder / "data", strict=True)
+
+
+class PapersClaims(WithTemplates):
+    def test_every_measured_number_changes_the_page_or_fails(self):
+        self.write("templates/one.template", (DOCS / "templates" / "papers-claims.template").read_text(encoding="utf-8"))
+        for path in (DOCS / "data").glob("*.*"):
+            self.write(f"data/{path.name}", path.read_text(encoding="utf-8"))
+        claims = json.loads((DOCS / "data" / "claims.json").read_text(encoding="utf-8"))
+        before = make_pages(self.folder / "templates", self.folder / "data", strict=True)["one.md"]
+        numbers = random.Random(44)
+        unseen = []
+        for key, value in claims.items():
+            other = value * (numbers.uniform(0.2, 0.8) if numbers.random() < 0.5 else numbers.uniform(1.3, 5))
+            self.write("data/claims.json", json.dumps(claims | {key: other}))
+            try:
+                if make_pages(self.folder / "templates", self.folder / "data", strict=True)["one.md"] == before:
+                    unseen.append(key)
+            except UserError:
+                pass
+        # The restricted update of the smaller plane, and sizes between those of the table, are not on the page.
+        self.assertEqual([key for key in unseen if not re.match("swap_361_restricted|fe_[36]mm_", key)], [])
+
+    def test_work_and_words_follow_from_numbers(self):
+        self.write("data/claims.json", '{"nodes": 700, "ms": 20}')
+        self.assertEqual(self.text('{{ work({"nodes": [361, claims.nodes]}) }}'), "more: nodes: 700 for 361")
+        self.assertEqual(self.text('{{ work({"nodes": [710, claims.nodes]}) }}'), "the same")
+        self.assertEqual(self.text("{{ word(claims.ms, 16) }}, {{ word(claims.ms, 20) }}, {{ word(claims.ms, 36) }}"),
+                         "**slower**, as fast, faster")
 
 
 class Templates(WithTemplates):
