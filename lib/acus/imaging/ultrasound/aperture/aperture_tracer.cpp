@@ -191,9 +191,10 @@ ApertureTracer::SurfaceEcho ApertureTracer::EchoOf(const Crossing& at) const {
     const Eigen::Vector3d across_mm = at.across.cast<double>().array() * spacing_mm_;
     const Eigen::Vector3d sideways = (across_mm - along.dot(across_mm) * along).normalized();
     const double strength = std::abs(double{at.reflection});
-    if (strength > kLeastPartOfBone && strength < kMostPartOfBone) {
+    if (!options_.mean_speckle && strength > kLeastPartOfBone && strength < kMostPartOfBone) {
       // The smoothed edge of bone or gas beside the plane: its slope out of the plane is that of
-      // the smoothing, not of the surface.
+      // the smoothing, not of the surface. Images that are matched with recorded ones place bone
+      // better without this echo from beside the plane.
       const Eigen::Vector3d out_of_plane = along.cross(sideways);
       const Eigen::Vector3d in_plane = normal - out_of_plane.dot(normal) * out_of_plane;
       if (in_plane.norm() > 0.1) normal = in_plane.normalized();
