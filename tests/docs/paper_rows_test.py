@@ -172,6 +172,16 @@ class StoredPages(unittest.TestCase):
             self.assertEqual(path.read_text(encoding="utf-8"), text, f"{path} is out of date; run developer/paper-pages")
 
 
+    def test_say_the_forces_that_the_cases_of_the_presets_hold(self):
+        """tests/cli/papers/NAME.txt holds them; whole numbers are counts and depths."""
+        for name in paper_pages.PAPERS:
+            page = (ROOT / "docs" / "papers" / f"{name}.md").read_text(encoding="utf-8")
+            for line in (ROOT / "tests" / "cli" / "papers" / f"{name}.txt").read_text(encoding="utf-8").splitlines():
+                what, value = line.rsplit(" ", 1)
+                if "." in value and "depth" not in what:
+                    self.assertRegex(page, rf"(?<![\d.]){re.escape(value)}(?![\d.])", f"{name}: {what}")
+
+
 class Work(unittest.TestCase):
     def test_the_word_follows_from_the_parts(self):
         same = {"nodes": ("361", 361), "update": ("whole inverse", "whole inverse")}
