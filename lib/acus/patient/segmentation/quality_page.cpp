@@ -125,8 +125,9 @@ void AddParts(const SegmentedPatient& patient, report::HtmlReport& page) {
   page.Section("What is sure, what is not");
   std::vector<std::vector<std::string>> rows;
   for (const PartQuality& part : patient.parts) {
-    rows.push_back({part.name, part.is_sure ? "sure" : "unsure", part.why, part.look_at,
-                    part.correct.starts_with("--") ? "acus-segment " + part.correct : part.correct});
+    rows.push_back(
+        {part.name, part.is_sure ? "sure" : "unsure", part.why, part.look_at,
+         part.correct.starts_with("--") ? "acus-segment " + part.correct : part.correct});
   }
   page.Table({"part", "", "why", "look at", "to correct it"}, rows,
              "Sure: nothing that is checked speaks against it");
@@ -177,9 +178,10 @@ void WriteViews(const std::filesystem::path& folder, const volume::LabelMap& lab
 void WriteQualityPage(const std::filesystem::path& folder, const SegmentedPatient& patient,
                       const nlohmann::json& provenance) {
   const auto unsure = std::ranges::count(patient.parts, false, &PartQuality::is_sure);
-  report::HtmlReport page("Segmentation of a CT",
-                          unsure == 0 ? "Nothing that is checked speaks against it"
-                                      : Message(unsure, unsure == 1 ? " part is unsure" : " parts are unsure"));
+  report::HtmlReport page(
+      "Segmentation of a CT",
+      unsure == 0 ? "Nothing that is checked speaks against it"
+                  : Message(unsure, unsure == 1 ? " part is unsure" : " parts are unsure"));
   page.Warnings(patient.warnings);
   AddParts(patient, page);
   page.Section("Slices");

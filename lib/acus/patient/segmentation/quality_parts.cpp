@@ -19,13 +19,13 @@ constexpr double kMostCutShare = 0.05;
 const char* const kSlices = "preview_*.png, labels.seg.nrrd (3D Slicer)";
 
 PartQuality OrganPart(const OrganCheck& organ) {
-  PartQuality part{.name = organ.name,
-                   .is_sure = organ.is_sure(),
-                   .why = Message(FixedText(organ.volume_ml, 0), " ml; of adults ",
-                                  FixedText(organ.least_ml, 0), " to ",
-                                  FixedText(organ.most_ml, 0), " ml"),
-                   .look_at = "",
-                   .correct = ""};
+  PartQuality part{
+      .name = organ.name,
+      .is_sure = organ.is_sure(),
+      .why = Message(FixedText(organ.volume_ml, 0), " ml; of adults ", FixedText(organ.least_ml, 0),
+                     " to ", FixedText(organ.most_ml, 0), " ml"),
+      .look_at = "",
+      .correct = ""};
   if (organ.is_sure()) return part;
   part.why = Message(Joined(organ.doubts), "; ", part.why);
   part.look_at = kSlices;
@@ -42,11 +42,12 @@ std::string ExampleOfName(const Vertebrae& vertebrae) {
 }
 
 PartQuality NamesPart(const Vertebrae& vertebrae) {
-  PartQuality part{.name = "names of vertebrae",
-                   .is_sure = vertebrae.doubt.empty() && vertebrae.named_from != NamedFrom::kLastRib,
-                   .why = Message(vertebrae.list.front().name, " to ", vertebrae.list.back().name),
-                   .look_at = "",
-                   .correct = ""};
+  PartQuality part{
+      .name = "names of vertebrae",
+      .is_sure = vertebrae.doubt.empty() && vertebrae.named_from != NamedFrom::kLastRib,
+      .why = Message(vertebrae.list.front().name, " to ", vertebrae.list.back().name),
+      .look_at = "",
+      .correct = ""};
   if (part.is_sure) return part;
   part.why += vertebrae.doubt.empty()
                   ? "; from the last pair of ribs alone, which in some people is not that of T12"
@@ -58,7 +59,8 @@ PartQuality NamesPart(const Vertebrae& vertebrae) {
 
 PartQuality Judged(const std::string& name, const std::string& why, const std::string& doubt,
                    const std::string& correct) {
-  if (doubt.empty()) return {.name = name, .is_sure = true, .why = why, .look_at = "", .correct = ""};
+  if (doubt.empty())
+    return {.name = name, .is_sure = true, .why = why, .look_at = "", .correct = ""};
   return {.name = name,
           .is_sure = false,
           .why = why.empty() ? doubt : Message(doubt, "; ", why),
@@ -82,9 +84,9 @@ std::vector<PartQuality> PartsOf(const volume::LabelMap& labels, const ScanParam
       slices_mm > kThinSlicesMm
           ? Message("voxels of ", FixedText(slices_mm, 1), " mm do not resolve them")
           : std::string();
-  const std::string noisy =
-      scan.noise_hu > kNoisyHu ? Message("noise of ", FixedText(scan.noise_hu, 0), " HU")
-                               : std::string();
+  const std::string noisy = scan.noise_hu > kNoisyHu
+                                ? Message("noise of ", FixedText(scan.noise_hu, 0), " HU")
+                                : std::string();
   std::vector<PartQuality> parts;
   for (const OrganCheck& organ : organs) parts.push_back(OrganPart(organ));
   if (!vertebrae.empty()) {
@@ -125,8 +127,8 @@ std::string PartsTable(const std::vector<PartQuality>& parts) {
   for (const PartQuality& part : parts) {
     rows.push_back({part.name, part.is_sure ? "sure" : "UNSURE", part.why});
     if (part.is_sure) continue;
-    corrections += Message("To correct ", part.name, ": look at ", part.look_at, "; ",
-                           part.correct, ".\n");
+    corrections +=
+        Message("To correct ", part.name, ": look at ", part.look_at, "; ", part.correct, ".\n");
   }
   return TextTable({"part", "", "why"}, rows) + corrections;
 }
@@ -141,8 +143,8 @@ std::vector<std::string> UnsurePartsBeside(const std::filesystem::path& labels_f
   if (!is_ours || !quality.contains("parts")) return unsure;
   for (const auto& part : quality.at("parts")) {
     if (part.at("sure").get<bool>() || !part.at("in_labels").get<bool>()) continue;
-    unsure.push_back(Message(part.at("name").get<std::string>(), " (",
-                             part.at("why").get<std::string>(), ")"));
+    unsure.push_back(
+        Message(part.at("name").get<std::string>(), " (", part.at("why").get<std::string>(), ")"));
   }
   return unsure;
 }

@@ -15,23 +15,22 @@ namespace acus::segmentation {
 struct PartQuality {
   std::string name;  ///< A tissue, "kidney_left", "names of vertebrae".
   bool is_sure = true;
-  std::string why;      ///< Measures, and if unsure, what speaks against it.
-  std::string look_at;  ///< Files; empty if it is sure.
-  std::string correct;  ///< Options of acus-segment; empty if it is sure.
+  std::string why;           ///< Measures, and if unsure, what speaks against it.
+  std::string look_at;       ///< Files; empty if it is sure.
+  std::string correct;       ///< Options of acus-segment; empty if it is sure.
   bool is_in_labels = true;  ///< As a tissue, so that a scenario may rely on it.
 };
 
 /// Organs, names of vertebrae, spinal canal, discs and ligaments, bone, and skin: those that there
 /// are, and the spine if it is missing. "Sure" means that nothing speaks against it.
 std::vector<PartQuality> PartsOf(const volume::LabelMap& labels, const ScanParameters& scan,
-                                 const Vertebrae& vertebrae,
-                                 const std::vector<OrganCheck>& organs);
+                                 const Vertebrae& vertebrae, const std::vector<OrganCheck>& organs);
 
 /// A table, and a line for each correction.
 std::string PartsTable(const std::vector<PartQuality>& parts);
 
-/// "kidney_left (larger than 270 ml)" for the unsure parts of a label map, by the quality.json beside
-/// it; empty if there is none, or none that acus-segment wrote.
+/// "kidney_left (larger than 270 ml)" for the unsure parts of a label map, by the quality.json
+/// beside it; empty if there is none, or none that acus-segment wrote.
 std::vector<std::string> UnsurePartsBeside(const std::filesystem::path& labels_file);
 
 }  // namespace acus::segmentation

@@ -56,8 +56,9 @@ TEST(QualityParts, NameWhatSpeaksAgainstThemAndTheCorrection) {
   EXPECT_THAT(Part(parts, "disc").why, HasSubstr("5.0 mm do not resolve"));
   EXPECT_THAT(Part(parts, "bone").why, HasSubstr("noise of 60 HU"));
   EXPECT_THAT(Part(parts, "names of vertebrae").why, HasSubstr("last pair of ribs"));
-  EXPECT_THAT(PartsTable(parts), AllOf(HasSubstr("UNSURE"), HasSubstr("--vertebra NAME=1.0,2.0,-4.0"),
-                                       HasSubstr("preview_sagittal.png")));
+  EXPECT_THAT(PartsTable(parts),
+              AllOf(HasSubstr("UNSURE"), HasSubstr("--vertebra NAME=1.0,2.0,-4.0"),
+                    HasSubstr("preview_sagittal.png")));
 }
 
 TEST(QualityParts, AMissingSpineAndSkinAreUnsure) {
@@ -86,12 +87,13 @@ TEST(QualityPage, HasTheTableTheImagesAndTheVolumes) {
   const SyntheticBody body = MakeSyntheticBody({.noise_hu = 60.0});
   const auto config = ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json");
   const RunContext context;
-  const auto patient = Examine(body.ct, config, SegmentPatient(body.ct, config, context), {}, context);
+  const auto patient =
+      Examine(body.ct, config, SegmentPatient(body.ct, config, context), {}, context);
   WritePatientFolder(folder / "out", body.ct, patient, config, context);
   const std::string page = acus::ReadTextFile(folder / "out" / "report.html");
-  EXPECT_THAT(page, AllOf(HasSubstr("What is sure, what is not"), HasSubstr("acus-segment --import"),
-                          HasSubstr("sagittal plane"), HasSubstr("as seen from behind"),
-                          HasSubstr("of adults, ml")));
+  EXPECT_THAT(page, AllOf(HasSubstr("What is sure, what is not"),
+                          HasSubstr("acus-segment --import"), HasSubstr("sagittal plane"),
+                          HasSubstr("as seen from behind"), HasSubstr("of adults, ml")));
   EXPECT_TRUE(std::filesystem::exists(folder / "out" / "view_back.png"));
 }
 

@@ -22,8 +22,10 @@ struct AxialProfile {
   int length() const { return last - first + 1; }
 };
 
-std::map<std::int32_t, AxialProfile> AxialProfilesOf(const volume::CtVolume& ct, const Components& parts,
-                                           const std::vector<std::uint8_t>& wanted, int axis) {
+std::map<std::int32_t, AxialProfile> AxialProfilesOf(const volume::CtVolume& ct,
+                                                     const Components& parts,
+                                                     const std::vector<std::uint8_t>& wanted,
+                                                     int axis) {
   std::map<std::int32_t, AxialProfile> profiles;
   const auto& size = ct.geometry.size;
   for (int k = 0; k < size[2]; ++k) {
@@ -67,8 +69,7 @@ std::vector<std::uint8_t> SupportsAmong(const volume::CtVolume& ct, const Compon
   const auto profiles = AxialProfilesOf(ct, parts, found, axis);
   for (const auto& [number, profile] : profiles) {
     const auto n = static_cast<std::size_t>(number);
-    found[n] =
-        IsSupport(profile, ct.geometry.spacing_mm[axis], parts.num_voxels[n]) ? 1 : 0;
+    found[n] = IsSupport(profile, ct.geometry.spacing_mm[axis], parts.num_voxels[n]) ? 1 : 0;
   }
   return found;
 }

@@ -1,0 +1,297 @@
+// What a segmentation is worth: tables in Markdown for docs/models/segmentation.md, from labelled CTs
+// and transformed copies of them.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <iostream>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include "acus/base/config/json_file.h"
+#include "acus/base/core/run_main.h"
+#include "acus/base/core/text_table.h"
+#include "acus/data/volume/labels.h"
+#include "acus/data/volume/volume_io.h"
+#include "acus/patient/atlas/atlas_organs.h"
+#include "acus/patient/segmentation/import/label_mapping.h"
+#include "acus/patient/segmentation/patient_segmentation.h"
+#include "acus/patient/segmentation/voxels/metrics.h"
+#include "support/shared_data.h"
+#include "support/transformed_ct.h"
+
+namespace acus::benchmarks {
+namespace {
+
+using segmentation::Mask;
+using segmentation::MaskOf;
+using testing_support::LabelledCt;
+
+constexpr double kRightDice = 0.8;  ///< An organ that is found so well counts as right.
+constexpr std::int32_t kCanal = 10000;  ///< Added to the value where the canal of the CT as it is lies.
+
+struct Patient {
+  std::string name;
+  LabelledCt whole;  ///< On a grid that takes seconds.
+  segmentation::LabelMapping mapping;
+  atlas::AtlasPatient as_atlas;
+  /// Number (C1 is 0) of a vertebra by its value; empty if the reference has none.
+  std::map<std::int32_t, int> vertebrae;
+};
+
+struct Copy {
+  std::string name;
+  LabelledCt ct;
+};
+
+/// The middle of the back: 160 mm wide, to the back of the volume.
+LabelledCt SpineField(const LabelledCt& from) {
+  const volume::Geometry& g = from.ct.geometry;
+  const int half = static_cast<int>(80.0 / g.spacing_mm[0]);
+  const int depth = static_cast<int>(150.0 / g.spacing_mm[1]);
+  int back = 0;  // The last row with tissue.
+  for (int j = 0; j < g.size[1]; ++j) {
+    if (from.ct.At(g.size[0] / 2, j, g.size[2] / 2) > -300) back = j;
+  }
+  return testing_support::CutTo(from, {g.size[0] / 2 - half, back - depth, 0},
+                                {g.size[0] / 2 + half, back, g.size[2] - 1});
+}
+
+/// A value beyond the circle that fits into the slices.
+LabelledCt Padded(LabelledCt from, std::int16_t hu) {
+  const volume::Geometry& g = from.ct.geometry;
+  const double radius_mm = 0.5 * std::min(g.size[0] * g.spacing_mm[0], g.size[1] * g.spacing_mm[1]);
+  for (int k = 0; k < g.size[2]; ++k) {
+    for (int j = 0; j < g.size[1]; ++j) {
+      for (int i = 0; i < g.size[0]; ++i) {
+        const double x = (i - 0.5 * g.size[0]) * g.spacing_mm[0];
+        const double y = (j - 0.5 * g.size[1]) * g.spacing_mm[1];
+        if (std::hypot(x, y) > radius_mm) from.ct.At(i, j, k) = hu;
+      }
+    }
+  }
+  return from;
+}
+
+std::vector<Copy> CopiesOf(const LabelledCt& whole) {
+  using namespace testing_support;
+  constexpr double kRad = std::numbers::pi / 180.0;
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(),
+                        z = Eigen::Vector3d::UnitZ();
+  const Eigen::Array3i last = whole.ct.geometry.size - 1;
+  const double slice_mm = whole.ct.geometry.spacing_mm[2];
+  std::vector<Copy> copies;
+  copies.push_back({"as it is", whole});
+  copies.push_back({"rolled by 15 degrees", Turned(whole, z, 15 * kRad)});
+  copies.push_back({"rolled by -15 degrees", Turned(whole, z, -15 * kRad)});
+  copies.push_back({"tilted by 10 degrees", Turned(whole, x, 10 * kRad)});
+  copies.push_back({"tilted by -10 degrees", Turned(whole, x, -10 * kRad)});
+  copies.push_back({"leaning by 8 degrees", Turned(whole, y, 8 * kRad)});
+  copies.push_back({"upper 60 %", CutTo(whole, {0, 0, static_cast<int>(0.4 * last[2])}, last)});
+  copies.push_back({"lower 60 %", CutTo(whole, Eigen::Array3i::Zero(),
+                                        {last[0], last[1], static_cast<int>(0.6 * last[2])})});
+  copies.push_back({"field of view of a spine", SpineField(whole)});
+  for (const double thick_mm : {3.0, 5.0}) {
+    const auto count = static_cast<int>(std::lround(thick_mm / slice_mm));
+    if (count < 2) continue;
+    copies.push_back({Message("slices of ", FixedText(count * slice_mm, 1), " mm"),
+                      Thickened(whole, count)});
+  }
+  copies.push_back({"noise of 20 HU more", Noisy(whole, 20.0)});
+  copies.push_back({"noise of 45 HU more", Noisy(whole, 45.0)});
+  copies.push_back({"padding of -2048 HU", Padded(whole, -2048)});
+  copies.push_back({"padding of 0 HU", Padded(whole, 0)});
+  return copies;
+}
+
+Mask Reference(const Patient& patient, const LabelledCt& copy, const std::string& tissue) {
+  Mask mask(copy.labels.geometry);
+  for (std::size_t n = 0; n < mask.voxels.size(); ++n) {
+    const auto found = patient.mapping.tissue.find(copy.labels.voxels[n] % kCanal);
+    const bool is_it =
+        found != patient.mapping.tissue.end() && found->second == volume::LabelOf(tissue);
+    mask.voxels[n] = is_it ? 1 : 0;
+  }
+  return mask;
+}
+
+Mask Canal(const LabelledCt& copy) {
+  Mask mask(copy.labels.geometry);
+  for (std::size_t n = 0; n < mask.voxels.size(); ++n) {
+    mask.voxels[n] = copy.labels.voxels[n] >= kCanal ? 1 : 0;
+  }
+  return mask;
+}
+
+std::string Agreement(const Mask& ours, const Mask& theirs, int num_threads) {
+  if (segmentation::Count(ours) == 0 || segmentation::Count(theirs) == 0) return "-";
+  return Message(FixedText(segmentation::Dice(ours, theirs), 3), " (",
+                 FixedText(segmentation::SurfaceDistance95Mm(ours, theirs, num_threads), 1), ")");
+}
+
+struct Names {
+  int right = 0, wrong = 0, unnamed = 0;
+};
+
+Names NamesIn(const Patient& patient, const LabelledCt& copy,
+              const segmentation::Vertebrae& vertebrae) {
+  Names names;
+  for (std::size_t n = 0; n < vertebrae.list.size(); ++n) {
+    const auto number = segmentation::NumberOfVertebra(vertebrae.list[n].name);
+    if (!number) {
+      ++names.unnamed;
+      continue;
+    }
+    std::map<int, int> votes;
+    for (std::size_t at = 0; at < copy.labels.voxels.size(); ++at) {
+      if (vertebrae.labels.voxels[at] != n + 1) continue;
+      const auto value = patient.vertebrae.find(copy.labels.voxels[at] % kCanal);
+      if (value != patient.vertebrae.end()) ++votes[value->second];
+    }
+    const auto most = std::ranges::max_element(votes, {}, [](const auto& v) { return v.second; });
+    ++(most != votes.end() && most->first == *number ? names.right : names.wrong);
+  }
+  return names;
+}
+
+/// The share of what lies within 2 mm around the canal, %; "-" where voxels are wider than that.
+std::string MuscleAround(const volume::LabelMap& labels, int num_threads) {
+  const Mask canal = MaskOf(labels, volume::LabelOf("spinal_canal"));
+  const Mask wide = segmentation::Dilated(canal, 2.0, num_threads);
+  double ring = 0.0, muscle = 0.0;
+  for (std::size_t n = 0; n < wide.voxels.size(); ++n) {
+    if (wide.voxels[n] == 0 || canal.voxels[n] != 0) continue;
+    ++ring;
+    muscle += labels.voxels[n] == volume::LabelOf("muscle") ? 1.0 : 0.0;
+  }
+  return ring > 0.0 ? FixedText(100.0 * muscle / ring, 1) : "-";
+}
+
+segmentation::SegmentedPatient Segmented(const volume::CtVolume& ct,
+                                         const std::vector<atlas::AtlasPatient>& others,
+                                         const RunContext& context) {
+  const auto config = segmentation::ReadSegmentationConfig(
+      config::FindConfig("segmentation/default.json", "."));
+  auto found = segmentation::SegmentPatient(ct, config, context);
+  atlas::AddAtlasOrgans(ct, others, config.tissues, found.labels, context);
+  return segmentation::Examine(ct, config, std::move(found), {}, context);
+}
+
+void Print(const std::vector<std::string>& cells) {
+  for (const std::string& cell : cells) std::cout << "| " << cell << ' ';
+  std::cout << "|" << std::endl;
+}
+
+/// Bone, lung, canal and names in all copies of a patient.
+void MeasureTissues(Patient& patient, Names& all, const RunContext& context) {
+  const auto as_it_is = Segmented(patient.whole.ct, {}, context);
+  for (std::size_t n = 0; n < as_it_is.labels.voxels.size(); ++n) {
+    if (as_it_is.labels.voxels[n] == volume::LabelOf("spinal_canal")) {
+      patient.whole.labels.voxels[n] += kCanal;
+    }
+  }
+  for (const Copy& copy : CopiesOf(patient.whole)) {
+    const auto found = Segmented(copy.ct.ct, {}, context);
+    const auto agreement = [&](const char* tissue) {
+      return Agreement(MaskOf(found.labels, volume::LabelOf(tissue)),
+                       Reference(patient, copy.ct, tissue), context.num_threads);
+    };
+    std::string names = "no reference";
+    if (!patient.vertebrae.empty()) {
+      const Names here = NamesIn(patient, copy.ct, found.vertebrae);
+      names = Message(here.right, " / ", here.unnamed, " / ", here.wrong);
+      all.right += here.right;
+      all.unnamed += here.unnamed;
+      all.wrong += here.wrong;
+    }
+    Print({patient.name, copy.name, agreement("bone"), agreement("lung"),
+           Agreement(MaskOf(found.labels, volume::LabelOf("spinal_canal")), Canal(copy.ct),
+                     context.num_threads),
+           MuscleAround(found.labels, context.num_threads), names});
+  }
+}
+
+/// Organs of one patient by the labels of the other, and whether they are stated to be sure.
+void MeasureOrgans(const Patient& patient, const Patient& other, Names& sure, Names& unsure,
+                   const RunContext& context) {
+  for (const Copy& copy : CopiesOf(patient.whole)) {
+    if (copy.name.find("padding") != copy.name.npos || copy.name.find("field") != copy.name.npos) {
+      continue;
+    }
+    const auto found = Segmented(copy.ct.ct, {other.as_atlas}, context);
+    for (const char* organ : {"liver", "spleen", "kidney"}) {
+      const Mask ours = MaskOf(found.labels, volume::LabelOf(organ));
+      const Mask theirs = Reference(patient, copy.ct, organ);
+      if (segmentation::Count(ours) == 0 || segmentation::Count(theirs) == 0) continue;
+      bool is_sure = true;
+      for (const auto& check : found.organs) {
+        if (check.name.starts_with(organ)) is_sure = is_sure && check.is_sure();
+      }
+      Names& count = is_sure ? sure : unsure;
+      ++(segmentation::Dice(ours, theirs) >= kRightDice ? count.right : count.wrong);
+      Print({patient.name, copy.name, organ, Agreement(ours, theirs, context.num_threads),
+             is_sure ? "sure" : "unsure"});
+    }
+  }
+}
+
+std::optional<Patient> Read(const std::string& name, const std::string& ct,
+                            const std::string& labels, const std::string& mapping, int coarser,
+                            const RunContext& context) {
+  const auto ct_path = testing_support::SharedData(ct.c_str());
+  const auto labels_path = testing_support::SharedData(labels.c_str());
+  if (!ct_path || !labels_path) {
+    context.Warn(Message(name, " is not here: skipped"));
+    return std::nullopt;
+  }
+  const auto table = config::FindConfig("label_maps/" + mapping, ".");
+  LabelledCt whole{volume::ReadCt(*ct_path, "", context),
+                   volume::ReadIntegerVolume(*labels_path)};
+  if (coarser > 1) whole = testing_support::Coarsened(whole, coarser);
+  return Patient{.name = name,
+                 .whole = std::move(whole),
+                 .mapping = segmentation::ReadLabelMapping(table),
+                 .as_atlas = {name, *ct_path, "", {*labels_path, table}},
+                 .vertebrae = {}};
+}
+
+}  // namespace
+}  // namespace acus::benchmarks
+
+int main(int argc, char** argv) {
+  using namespace acus::benchmarks;
+  bool with_organs = false;
+  CLI::App app{"Tables of what a segmentation is worth, on labelled CTs and transformed copies.",
+               "segmentation_measures"};
+  app.footer("EXAMPLE\n  build/tests/segmentation_measures --organs\n");
+  app.add_flag("--organs", with_organs, "Also organs by the atlas of the other patient");
+  return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
+    auto total = Read("totalseg example", "ct/totalseg/example_ct.nii.gz",
+                      "ct/totalseg/example_seg_fast_force_split.nii.gz", "totalsegmentator.json", 1,
+                      context);
+    auto ircad = Read("ircadb01", "ct/ircadb01_dicom", "ct/ircadb01_labels.vti", "ircadb.json", 2,
+                      context);
+    // TotalSegmentator counts from the sacrum (25) and S1 (26) upwards.
+    if (total) {
+      for (std::int32_t value = 25; value <= 50; ++value) {
+        total->vertebrae[value] = 24 - std::max(value - 26, 0);
+      }
+    }
+    Names names;
+    std::cout << "| CT | copy | bone | lung | canal, to that of the CT as it is | muscle within 2 mm "
+                 "of the canal, % | names right / none / wrong |\n|---|---|---|---|---|---|---|\n";
+    for (auto* patient : {&total, &ircad}) {
+      if (*patient) MeasureTissues(**patient, names, context);
+    }
+    std::cout << "\nNames: " << names.right << " right, " << names.unnamed << " none, "
+              << names.wrong << " wrong.\n";
+    if (!with_organs || !total || !ircad) return acus::ExitCode::kOk;
+    Names sure, unsure;
+    std::cout << "\n| CT | copy | organ | Dice (95 % distance, mm) | stated |\n|---|---|---|---|---|\n";
+    MeasureOrgans(*total, *ircad, sure, unsure, context);
+    MeasureOrgans(*ircad, *total, sure, unsure, context);
+    std::cout << "\nDice of at least " << kRightDice << ": " << sure.right << " of "
+              << sure.right + sure.wrong << " organs stated to be sure, " << unsure.right << " of "
+              << unsure.right + unsure.wrong << " unsure ones.\n";
+    return acus::ExitCode::kOk;
+  });
+}
