@@ -157,6 +157,12 @@ class ScenarioTrial {
     Require(generated_mj <= most_mj, Message("gave ", generated_mj, " mJ, over ", most_mj));
   }
 
+  /// What the needle's hand feels without effects that press by themselves, such as a thumb on the
+  /// plunger, which does work as a person does.
+  static Eigen::Vector3d PassiveForceN(const simulation::StepOutput& out) {
+    return out.force.force_in_ct_n + out.force.added_n * out.ct_from_needle.linear().col(2);
+  }
+
   /// A hand in and out of the tissue: sound, and since it was last free it gets no energy. The
   /// force goes from one sample's to the next's; what holding it for a step adds is the sampling's,
   /// which the device has to take, and is judged in the loop.
@@ -181,7 +187,7 @@ class ScenarioTrial {
       sample.probe_valid = true;
       sample.reference_from_probe = ProbeOnSkin(t);
       const simulation::StepOutput out = Step(simulation, state, sample);
-      const Eigen::Vector3d mean_n = 0.5 * (before.force.force_in_ct_n + out.force.force_in_ct_n);
+      const Eigen::Vector3d mean_n = 0.5 * (PassiveForceN(before) + PassiveForceN(out));
       const Eigen::Vector3d moved_mm =
           out.ct_from_needle.translation() - before.ct_from_needle.translation();
       balance_mj -= mean_n.dot(moved_mm);
