@@ -33,8 +33,10 @@ TableSidecar SidecarOf(const std::filesystem::path& table) {
   const std::string text = ReadTextFile(path);
   RequireJsonDepth(text, label);
   const auto document = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
-  ACUS_REQUIRE(document.is_object(), label, ": is not a JSON object; it is read as the description "
-               "of ", table.filename().string());
+  ACUS_REQUIRE(document.is_object(), label,
+               ": is not a JSON object; it is read as the description "
+               "of ",
+               table.filename().string());
   sidecar.path = path;
   for (const auto& [key, value] : document.items()) {
     if (!value.is_object() || !value.contains("Units")) continue;

@@ -101,16 +101,16 @@ std::unique_ptr<Temporary> UnpackedNifti(const fs::path& path) {
       fs::temp_directory_path() /
       Message(".acus-unpacked-", getpid(), "-", count.fetch_add(1), ".nii"));
   std::ofstream out(copy->path(), std::ios::binary);
-  const double most = std::min(
-      InputMemoryBytes(), std::max(2e9, 100.0 * static_cast<double>(fs::file_size(path))));
+  const double most =
+      std::min(InputMemoryBytes(), std::max(2e9, 100.0 * static_cast<double>(fs::file_size(path))));
   double written = 0.0;
   const auto take = [&](const char* data, std::size_t size) {
     written += static_cast<double>(size);
     ACUS_REQUIRE(written <= most, path.string(), ": becomes more than ", most / 1e9,
                  " GB when it is unpacked; --memory-gb sets another limit");
     out.write(data, static_cast<std::streamsize>(size));
-    ACUS_REQUIRE(out, path.string(), ": cannot be unpacked to ",
-                 fs::temp_directory_path().string(), "; is the disk full?");
+    ACUS_REQUIRE(out, path.string(), ": cannot be unpacked to ", fs::temp_directory_path().string(),
+                 "; is the disk full?");
   };
   packing == Packing::kBzip2 ? UnpackBzip2(path, take) : UnpackGzip(path, take);
   out.close();

@@ -19,7 +19,8 @@ CtVolume SmallCt() {
   Geometry geometry;
   geometry.size = {7, 5, 4};
   CtVolume ct(geometry);
-  for (std::size_t i = 0; i < ct.voxels.size(); ++i) ct.voxels[i] = static_cast<std::int16_t>(9 * i);
+  for (std::size_t i = 0; i < ct.voxels.size(); ++i)
+    ct.voxels[i] = static_cast<std::int16_t>(9 * i);
   return ct;
 }
 
@@ -68,10 +69,10 @@ TEST_F(PackedNifti, IsRefusedByItsOwnNameIfItIsDamaged) {
   EXPECT_THAT([&] { Read("a.nii.bz2", Bzip2(std::string(2'000'000, '\0'))); },
               ThrowsMessage<InputError>(HasSubstr("a.nii.bz2: becomes more than 0.001 GB")));
   SetInputMemory({});
-  EXPECT_GT(testing_support::ReadDamagedCopies(
-                packed, folder_ / "d.nii.bz2", 300,
-                [&] { ReadCt(folder_ / "d.nii.bz2", "", RunContext{}); }),
-            200);
+  EXPECT_GT(
+      testing_support::ReadDamagedCopies(packed, folder_ / "d.nii.bz2", 300,
+                                         [&] { ReadCt(folder_ / "d.nii.bz2", "", RunContext{}); }),
+      200);
   EXPECT_THROW(WriteCt(folder_ / "out.nii.bz2", SmallCt()), InputError);
 }
 
