@@ -14,6 +14,8 @@ import subprocess
 import sys
 
 KATEX = pathlib.Path("/usr/share/javascript/katex")
+# Folders of docs/ that are no part of the site.
+SOURCES_OF_PAGES = ("templates", "data")
 PROJECT_PAGES = {"README.md": "index.md", "CONTRIBUTING.md": "contributing.md", "CHANGELOG.md": "changelog.md"}
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)#\s]+)(#[^)\s]*)?\)")
 FOLDERS = (("Concepts", "concepts"), ("Models", "models"), ("The four papers", "papers"), ("Reference", "reference"))
@@ -76,7 +78,9 @@ def place_of(path, sources):
         return None
     if str(inside) in PROJECT_PAGES:
         return pathlib.PurePosixPath(PROJECT_PAGES[str(inside)])
-    return pathlib.PurePosixPath(*inside.parts[1:]) if inside.parts[0] == "docs" else None
+    if inside.parts[0] != "docs" or inside.parts[1] in SOURCES_OF_PAGES:
+        return None
+    return pathlib.PurePosixPath(*inside.parts[1:])
 
 
 def with_links(text, page, place, sources):
@@ -95,7 +99,7 @@ def with_links(text, page, place, sources):
 def stage(sources, pages):
     """All pages, with their links changed, and all figures."""
     shutil.rmtree(pages, ignore_errors=True)
-    shutil.copytree(sources / "docs", pages, ignore=shutil.ignore_patterns("*.md", "templates", "data", "*.sh"))
+    shutil.copytree(sources / "docs", pages, ignore=shutil.ignore_patterns("*.md", "*.sh", *SOURCES_OF_PAGES))
     found = [sources / name for name in PROJECT_PAGES] + sorted((sources / "docs").rglob("*.md"))
     for page in found:
         place = place_of(page, sources)

@@ -1,5 +1,5 @@
-// What a segmentation is worth: tables in Markdown for docs/models/segmentation.md, from labelled CTs
-// and transformed copies of them.
+// What a segmentation is worth: tables in Markdown for docs/models/segmentation.md, from labelled
+// CTs and transformed copies of them.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <iostream>
@@ -27,7 +27,8 @@ using segmentation::MaskOf;
 using testing_support::LabelledCt;
 
 constexpr double kRightDice = 0.8;  ///< An organ that is found so well counts as right.
-constexpr std::int32_t kCanal = 10000;  ///< Added to the value where the canal of the CT as it is lies.
+constexpr std::int32_t kCanal =
+    10000;  ///< Added to the value where the canal of the CT as it is lies.
 
 struct Patient {
   std::string name;
@@ -93,8 +94,8 @@ std::vector<Copy> CopiesOf(const LabelledCt& whole) {
   for (const double thick_mm : {3.0, 5.0}) {
     const auto count = static_cast<int>(std::lround(thick_mm / slice_mm));
     if (count < 2) continue;
-    copies.push_back({Message("slices of ", FixedText(count * slice_mm, 1), " mm"),
-                      Thickened(whole, count)});
+    copies.push_back(
+        {Message("slices of ", FixedText(count * slice_mm, 1), " mm"), Thickened(whole, count)});
   }
   copies.push_back({"noise of 20 HU more", Noisy(whole, 20.0)});
   copies.push_back({"noise of 45 HU more", Noisy(whole, 45.0)});
@@ -169,8 +170,8 @@ std::string MuscleAround(const volume::LabelMap& labels, int num_threads) {
 segmentation::SegmentedPatient Segmented(const volume::CtVolume& ct,
                                          const std::vector<atlas::AtlasPatient>& others,
                                          const RunContext& context) {
-  const auto config = segmentation::ReadSegmentationConfig(
-      config::FindConfig("segmentation/default.json", "."));
+  const auto config =
+      segmentation::ReadSegmentationConfig(config::FindConfig("segmentation/default.json", "."));
   auto found = segmentation::SegmentPatient(ct, config, context);
   atlas::AddAtlasOrgans(ct, others, config.tissues, found.labels, context);
   return segmentation::Examine(ct, config, std::move(found), {}, context);
@@ -244,8 +245,7 @@ std::optional<Patient> Read(const std::string& name, const std::string& ct,
     return std::nullopt;
   }
   const auto table = config::FindConfig("label_maps/" + mapping, ".");
-  LabelledCt whole{volume::ReadCt(*ct_path, "", context),
-                   volume::ReadIntegerVolume(*labels_path)};
+  LabelledCt whole{volume::ReadCt(*ct_path, "", context), volume::ReadIntegerVolume(*labels_path)};
   if (coarser > 1) whole = testing_support::Coarsened(whole, coarser);
   return Patient{.name = name,
                  .whole = std::move(whole),
@@ -268,8 +268,8 @@ int main(int argc, char** argv) {
     auto total = Read("totalseg example", "ct/totalseg/example_ct.nii.gz",
                       "ct/totalseg/example_seg_fast_force_split.nii.gz", "totalsegmentator.json", 1,
                       context);
-    auto ircad = Read("ircadb01", "ct/ircadb01_dicom", "ct/ircadb01_labels.vti", "ircadb.json", 2,
-                      context);
+    auto ircad =
+        Read("ircadb01", "ct/ircadb01_dicom", "ct/ircadb01_labels.vti", "ircadb.json", 2, context);
     // TotalSegmentator counts from the sacrum (25) and S1 (26) upwards.
     if (total) {
       for (std::int32_t value = 25; value <= 50; ++value) {
@@ -277,8 +277,9 @@ int main(int argc, char** argv) {
       }
     }
     Names names;
-    std::cout << "| CT | copy | bone | lung | canal, to that of the CT as it is | muscle within 2 mm "
-                 "of the canal, % | names right / none / wrong |\n|---|---|---|---|---|---|---|\n";
+    std::cout
+        << "| CT | copy | bone | lung | canal, to that of the CT as it is | muscle within 2 mm "
+           "of the canal, % | names right / none / wrong |\n|---|---|---|---|---|---|---|\n";
     for (auto* patient : {&total, &ircad}) {
       if (*patient) MeasureTissues(**patient, names, context);
     }
@@ -286,7 +287,8 @@ int main(int argc, char** argv) {
               << names.wrong << " wrong.\n";
     if (!with_organs || !total || !ircad) return acus::ExitCode::kOk;
     Names sure, unsure;
-    std::cout << "\n| CT | copy | organ | Dice (95 % distance, mm) | stated |\n|---|---|---|---|---|\n";
+    std::cout
+        << "\n| CT | copy | organ | Dice (95 % distance, mm) | stated |\n|---|---|---|---|---|\n";
     MeasureOrgans(*total, *ircad, sure, unsure, context);
     MeasureOrgans(*ircad, *total, sure, unsure, context);
     std::cout << "\nDice of at least " << kRightDice << ": " << sure.right << " of "

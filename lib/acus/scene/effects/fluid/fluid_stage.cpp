@@ -129,7 +129,8 @@ void FluidStage::KeepDepots(FluidStageState& state, const Vector3d& axis_in_ct) 
     if (there.liquid_ml + there.air_ml < kLeastDepotMl) continue;
     const fluid::Depot depot = fluid::DepotOf(tissues[row], there);
     ShownDepot& shown = state.depot[static_cast<std::size_t>(state.num_depots++)];
-    const auto kept = std::find_if(before.begin(), end, [&](const auto& d) { return d.row == row; });
+    const auto kept =
+        std::find_if(before.begin(), end, [&](const auto& d) { return d.row == row; });
     shown.row = row;
     shown.normal_in_ct = kept == end ? ArrayOf(axis_in_ct) : kept->normal_in_ct;
     shown.centre_in_ct_mm = there.centre_mm;
