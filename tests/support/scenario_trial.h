@@ -225,7 +225,10 @@ class ScenarioTrial {
           return Step(simulation, state, sample).force.force_in_ct_n;
         },
         3.0);
-    RequirePassive(result.generated_mj, kLoopLimitMj, trace_.loop_mj);
+    // A thumb on the plunger does work on the device; fluid_closed_loop_test has the fluid alone.
+    if (!scene_.listed.adds_force()) {
+      RequirePassive(result.generated_mj, kLoopLimitMj, trace_.loop_mj);
+    }
   }
 
   /// Jumps, lost poses, numbers that are none.
