@@ -115,7 +115,7 @@ class ScenarioTrial {
     const double most_n = scene_.force_from_tissue || !scene_.forces
                               ? 30.0
                               : scene_.forces->table().settings.largest_force_n;
-    const double force_n = out.force.force_in_ct_n.norm();
+    const double force_n = PassiveForceN(out).norm();  // That of a thumb has its own limit.
     Require(out.force.force_in_ct_n.allFinite(), "force is not finite");
     trace_.largest_force_share = std::max(trace_.largest_force_share, force_n / most_n);
     Require(force_n <= most_n * (1.0 + 1e-9), Message("force of ", force_n, " N is over ", most_n));
@@ -160,6 +160,7 @@ class ScenarioTrial {
   /// What the needle's hand feels without effects that press by themselves, such as a thumb on the
   /// plunger, which does work as a person does.
   static Eigen::Vector3d PassiveForceN(const simulation::StepOutput& out) {
+    if (out.force.added_n == 0.0) return out.force.force_in_ct_n;  // Its pose may be no number.
     return out.force.force_in_ct_n + out.force.added_n * out.ct_from_needle.linear().col(2);
   }
 
