@@ -27,7 +27,7 @@ constexpr double kBeamStepMm = 1.0;
 
 struct Beam {
   double reach_mm = 0.0;  ///< From the face.
-  std::string end;        ///< The tissue that ends it; empty at the end of the image.
+  std::string end;        ///< What ends it.
 };
 
 /// The fan of a probe: polar coordinates about the centre of its curvature.
@@ -64,7 +64,7 @@ class Fan {
       is_inside = true;
       if (EndsBeam(label)) return {depth, volume::NameOfLabel(label)};
     }
-    return {kImageDepthMm, ""};
+    return {kImageDepthMm, "the depth of the image"};
   }
 
   static bool EndsBeam(volume::Label label) {
