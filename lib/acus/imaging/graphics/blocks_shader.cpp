@@ -10,7 +10,7 @@ layout(std430, binding = 0) readonly buffer Rest { ivec4 rest[]; };
 layout(std430, binding = 1) readonly buffer Ranges { vec4 ranges_mm[]; };
 layout(binding = 0, r8ui) writeonly uniform uimage3D marked;
 uniform int num_blocks;
-uniform int num_components;  // Of the field.
+uniform int num_components;  // The field has so many.
 uniform int num_weights;     // At this instant.
 uniform ivec4 component;
 uniform vec4 weight;

@@ -34,7 +34,7 @@ struct Ray {
   vec3 shine_colour;
   float shine_weight;
   ivec2 pixel;
-  uint first;  // Of its list: 1 + index; 0: it is empty.
+  uint first;  // The head of its list: 1 + index; 0: it is empty.
   float opaque_mm;
   // The next surface: kFar if there is none; 1 + its index, or kOpaque.
   float next_mm;

@@ -51,7 +51,7 @@ layout(std140, binding = 0) uniform Moment {
   int supersampling;
   vec2 window_hu;  // Projections: the largest HU of a ray is seen in this window.
   int is_maximum;
-  int most_nodes;  // Of all lists of surfaces.
+  int most_nodes;  // Room for the surfaces of all lists.
   ivec3 ct_size;
   int table_count;
   ivec3 blocks_size;

@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::uintmax_t kMostFileBytes = 1U << 20U;
 constexpr std::size_t kMostCoefficients = 14;
-constexpr double kLeastFocalShare = 0.1;  // Of the width: 157 degrees. A wider lens is no pinhole.
+constexpr double kLeastFocalShare =
+    0.1;  // Focal length over width: 157 degrees. A wider lens is no pinhole.
 
 /// The first node of these names.
 cv::FileNode NodeOf(const cv::FileStorage& file, std::initializer_list<const char*> names,

@@ -21,10 +21,6 @@ HWY_INLINE int LanesPerStep() {
   return static_cast<int>(hn::Lanes(F()));
 }
 
-HWY_INLINE VF Mix(VF a, VF b, VF share) {
-  return hn::Add(a, hn::Mul(share, hn::Sub(b, a)));
-}
-
 /// The three codes of packed voxels.
 struct Codes {
   VF zeta;
@@ -110,18 +106,6 @@ void SampleAcousticRow(const AcousticVoxels& voxels, const Lines& lines, float s
     hn::Store(hn::Mul(found.scatter, hn::Set(f, voxels.scatter_unit)), f, out.scatter + l);
     hn::Store(seen, f, out.seen + l);
   }
-}
-
-/// exp(-x) for x in [0, 16], by (exp(-x / 16))^16 and a series of the fourth order: within 2e-6.
-HWY_INLINE VF ExpMinus16(VF x) {
-  const F f;
-  const VF y = hn::Mul(hn::Min(x, hn::Set(f, 16.0F)), hn::Set(f, -0.0625F));
-  VF e = hn::Add(hn::Set(f, 1.0F / 6.0F), hn::Mul(y, hn::Set(f, 1.0F / 24.0F)));
-  e = hn::Add(hn::Set(f, 0.5F), hn::Mul(y, e));
-  e = hn::Add(hn::Set(f, 1.0F), hn::Mul(y, e));
-  e = hn::Add(hn::Set(f, 1.0F), hn::Mul(y, e));
-  for (int n = 0; n < 4; ++n) e = hn::Mul(e, e);
-  return e;
 }
 
 void AddLossRow(const LossRow& row, int lanes) {

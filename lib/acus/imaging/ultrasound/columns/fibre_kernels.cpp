@@ -18,22 +18,6 @@ using namespace slicing::kernels::HWY_NAMESPACE;
 using U = hn::RebindToUnsigned<F>;
 using VU = hn::Vec<U>;
 
-HWY_INLINE VF Blend(VF a, VF b, VF share) {
-  return hn::Add(a, hn::Mul(share, hn::Sub(b, a)));
-}
-
-/// exp(-x) for x in [0, 16]: see aperture_kernels.cpp.
-HWY_INLINE VF ExpMinus(VF x) {
-  const F f;
-  const VF y = hn::Mul(hn::Min(x, hn::Set(f, 16.0F)), hn::Set(f, -0.0625F));
-  VF e = hn::Add(hn::Set(f, 1.0F / 6.0F), hn::Mul(y, hn::Set(f, 1.0F / 24.0F)));
-  e = hn::Add(hn::Set(f, 0.5F), hn::Mul(y, e));
-  e = hn::Add(hn::Set(f, 1.0F), hn::Mul(y, e));
-  e = hn::Add(hn::Set(f, 1.0F), hn::Mul(y, e));
-  for (int n = 0; n < 4; ++n) e = hn::Mul(e, e);
-  return e;
-}
-
 HWY_INLINE VF Product(const float* row, const VF* v) {
   const F f;
   return hn::Add(hn::Add(hn::Mul(hn::Set(f, row[0]), v[0]), hn::Mul(hn::Set(f, row[1]), v[1])),
@@ -85,14 +69,14 @@ HWY_INLINE VF NoiseAt(const VF* cell, std::uint32_t seed, VF* slope) {
     step_x[n] = hn::Sub(corner[2 * n + 1], corner[2 * n]);
     along_x[n] = hn::Add(corner[2 * n], hn::Mul(share[0], step_x[n]));
   }
-  const VF near = Blend(along_x[0], along_x[1], share[1]);
-  const VF far = Blend(along_x[2], along_x[3], share[1]);
-  slope[0] = hn::Mul(rise[0], Blend(Blend(step_x[0], step_x[1], share[1]),
-                                    Blend(step_x[2], step_x[3], share[1]), share[2]));
+  const VF near = Mix(along_x[0], along_x[1], share[1]);
+  const VF far = Mix(along_x[2], along_x[3], share[1]);
+  slope[0] = hn::Mul(rise[0], Mix(Mix(step_x[0], step_x[1], share[1]),
+                                  Mix(step_x[2], step_x[3], share[1]), share[2]));
   slope[1] = hn::Mul(
-      rise[1], Blend(hn::Sub(along_x[1], along_x[0]), hn::Sub(along_x[3], along_x[2]), share[2]));
+      rise[1], Mix(hn::Sub(along_x[1], along_x[0]), hn::Sub(along_x[3], along_x[2]), share[2]));
   slope[2] = hn::Mul(rise[2], hn::Sub(far, near));
-  return Blend(near, far, share[2]);
+  return Mix(near, far, share[2]);
 }
 
 bool CodeRow(const CodedVoxels& voxels, const slicing::kernels::Lines& lines, float s, int lanes,
@@ -146,7 +130,7 @@ void SheetIntensityRow(const SheetRow& row, int lanes, float* intensity) {
     const VF beam2 = hn::Max(Dot(beam, beam), hn::Set(f, 1e-18F));
     const VF cosine = Dot(beam, along);
     const VF across =
-        ExpMinus(hn::Div(hn::Mul(hn::Set(f, row.fibre_nepers), hn::Mul(cosine, cosine)), beam2));
+        ExpMinus16(hn::Div(hn::Mul(hn::Set(f, row.fibre_nepers), hn::Mul(cosine, cosine)), beam2));
     VF cell[3];
     for (int a = 0; a < 3; ++a) cell[a] = Product(row.cells + 3 * a, index);
     VF slope[3];
@@ -161,9 +145,9 @@ void SheetIntensityRow(const SheetRow& row, int lanes, float* intensity) {
     const VF cos2 = hn::Mul(facing, facing);
     const VF tan2 = hn::Div(hn::Sub(one, cos2), cos2);
     const VF diffuse = hn::Set(f, row.diffuse_share);
-    const VF lobe =
-        hn::Add(hn::Mul(diffuse, facing),
-                hn::Mul(hn::Sub(one, diffuse), ExpMinus(hn::Mul(hn::Set(f, row.per_lobe), tan2))));
+    const VF lobe = hn::Add(
+        hn::Mul(diffuse, facing),
+        hn::Mul(hn::Sub(one, diffuse), ExpMinus16(hn::Mul(hn::Set(f, row.per_lobe), tan2))));
     const VF added = hn::Div(hn::Mul(hn::Mul(across, hn::Set(f, row.sheet)), lobe),
                              hn::Add(one, hn::Mul(off, off)));
     const VF factor = hn::Mul(across, hn::Add(hn::Set(f, row.between), added));
