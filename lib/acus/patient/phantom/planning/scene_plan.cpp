@@ -25,7 +25,7 @@ std::string TitleOf(const std::string& name, const std::string& structure,
 }
 
 ScenePlan FromWindow(const WindowPlan& plan, const std::string& name, const std::string& structure,
-                     std::span<const NamedLevel> levels, const std::string& reason) {
+                     std::span<const NamedLevel> levels) {
   const std::string inside =
       plan.target.depth_mm > 0.0
           ? Message(", ", FixedText(plan.target.depth_mm, 1), " mm inside it")
@@ -34,7 +34,7 @@ ScenePlan FromWindow(const WindowPlan& plan, const std::string& name, const std:
           .choice = {.title = TitleOf(name, structure, levels, plan.insertion.target_ct_mm),
                      .target = name + inside,
                      .window = Message(plan.window->name, " (", plan.window->what, ")"),
-                     .reason = reason,
+                     .reason = "",
                      .view = plan.view},
           .touches_bone = plan.window->is_spinal};
 }
@@ -117,7 +117,7 @@ class Choice {
     const auto plan =
         PlanThroughWindows(field_, frame_, target, windows, wider, context_, &refusals);
     if (plan) {
-      Take(FromWindow(*plan, structure, structure, levels_, ""));
+      Take(FromWindow(*plan, structure, structure, levels_));
     } else {
       Miss(Message("no path to ", structure, ": ", RefusalText(refusals, wider)));
     }
@@ -180,7 +180,7 @@ ScenePlan PlanScene(const volume::LabelMap& labels, const PatientField& field,
   const WindowPlan plan = PlanAsRequested(labels, field, frame, request, settings, context);
   const std::string name =
       request.target.empty() ? std::string(plan.window->structure) : request.target;
-  return FromWindow(plan, name, TissueNameAt(field, plan.insertion.target_ct_mm), levels, "");
+  return FromWindow(plan, name, TissueNameAt(field, plan.insertion.target_ct_mm), levels);
 }
 
 }  // namespace acus::phantom
