@@ -119,6 +119,7 @@ class ScenarioTrial {
     Require(out.force.force_in_ct_n.allFinite(), "force is not finite");
     trace_.largest_force_share = std::max(trace_.largest_force_share, force_n / most_n);
     Require(force_n <= most_n * (1.0 + 1e-9), Message("force of ", force_n, " N is over ", most_n));
+    Require(std::isfinite(out.force.AxialN()), "axial force is not finite");
     Require(out.force.torque_in_ct_n_mm.allFinite(), "torque is not finite");
     Require(out.force.torque_in_ct_n_mm.norm() < 1e5, "torque is beyond all measure");
     Require(out.probe.force_in_ct_n.allFinite(), "probe force is not finite");
@@ -160,8 +161,7 @@ class ScenarioTrial {
   /// What the needle's hand feels without effects that press by themselves, such as a thumb on the
   /// plunger, which does work as a person does.
   static Eigen::Vector3d PassiveForceN(const simulation::StepOutput& out) {
-    if (out.force.added_n == 0.0) return out.force.force_in_ct_n;  // Its pose may be no number.
-    return out.force.force_in_ct_n + out.force.added_n * out.ct_from_needle.linear().col(2);
+    return out.force.force_in_ct_n - out.added_in_ct_n;
   }
 
   /// A hand in and out of the tissue: sound, and since it was last free it gets no energy. The

@@ -222,7 +222,7 @@ void LiveCore::HoldNeedle() noexcept {
 /// force either.
 Eigen::Vector3d LiveCore::BracedInCtN() const noexcept {
   if (needle_.mount == nullptr || !needle_.mount->by_virtual_hand) return Eigen::Vector3d::Zero();
-  return -record_.output.force.added_n * record_.output.ct_from_needle.linear().col(2);
+  return record_.output.added_in_ct_n;
 }
 
 void LiveCore::ReadBelt() noexcept {

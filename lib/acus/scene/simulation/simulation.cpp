@@ -1,6 +1,7 @@
 #include "acus/scene/simulation/simulation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "acus/scene/simulation/coupled/coupled_effect.h"
@@ -54,9 +55,11 @@ StepOutput Simulation::Step(State& state, const Sample& sample, StageTimes* time
     ports->Set(effects::ports::kProbeForce, &out.probe);
     scene_.listed.Step(true, state.effects, effect_time, *ports, out.effect, watch);
     if (scene_.listed.adds_force()) {
-      const Eigen::Vector3d added_n = scene_.listed.AddedForceInCtN(state.effects);
-      out.force.force_in_ct_n += added_n;
-      out.force.added_n = -added_n.dot(out.ct_from_needle.linear().col(2));
+      out.added_in_ct_n = scene_.listed.AddedForceInCtN(state.effects);
+      out.force.force_in_ct_n += out.added_in_ct_n;
+      // A tracker may give a direction that is no number.
+      const double along_n = out.added_in_ct_n.dot(out.ct_from_needle.linear().col(2));
+      out.force.added_n = std::isfinite(along_n) ? -along_n : 0.0;
     }
   }
   return out;

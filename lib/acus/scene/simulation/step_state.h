@@ -40,6 +40,8 @@ struct StepOutput {
   forces::ProbeForce probe;    ///< Zero if the plan has no probe force.
   tissue::TissueForce tissue;  ///< Zero if the plan has no tissue contact.
   EffectColumns effect{};      ///< Columns of the effects of the list.
+  /// Share of `force` that effects of the list add; always finite.
+  Eigen::Vector3d added_in_ct_n = Eigen::Vector3d::Zero();
 };
 
 /// The state between steps. A plain value: save it, restore it, run many in parallel. Made by
