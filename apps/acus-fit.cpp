@@ -22,12 +22,14 @@ int main(int argc, char** argv) {
       app.add_option(
              "--models", task.models,
              "What to fit beside the puncture, joined by commas; hyperelastic, alone, is "
-             "for tension tests (CSV with the dimensions in the first line), and so is indentation "
-             "for indentations (CSV: time_s,force_n,indentation_mm,tool_gap_mm)")
+             "for tension tests (CSV with the dimensions in the first line), and so are modes for "
+             "one tissue in tension, compression and shear (CSV: "
+             "mode,stretch_or_shear,stress_kpa) and indentation for indentations (CSV: "
+             "time_s,force_n,indentation_mm,tool_gap_mm)")
           ->delimiter(',')
           ->allow_extra_args(false)
           ->check(CLI::IsMember({"gaussians", "mechanical", "lugre", "hu-table", "hyperelastic",
-                                 "indentation", "all", "none"}))
+                                 "modes", "indentation", "all", "none"}))
           ->capture_default_str();
   CLI::Option* tissue = app.add_option("--tissue", task.tissue,
                                        "Also write a force table with this tissue's fitted row");

@@ -64,6 +64,15 @@ acus_add_cli_case(acus-fit.hyperelastic_without_dimensions EXIT 3 LEAVES_NOTHING
 acus_add_cli_case(acus-fit.hyperelastic_and_another EXIT 3 LEAVES_NOTHING BEFORE "${tension_input}"
   STDERR "hyperelastic is for tension tests.*give it alone"
   COMMAND acus-fit strip.csv --models hyperelastic,gaussians -o fit)
+set(modes_input "bash ${CMAKE_CURRENT_LIST_DIR}/modes_input.sh")
+acus_add_cli_case(acus-fit.modes EXIT 0 BEFORE "${modes_input}"
+  STDOUT "^cube +ogden, 1 exponent +0\\.0 +0\\.0 +0\\.0 +0\\.0 +best"
+  CREATES fit/fit.json fit/cube_modes.svg
+  COMMAND acus-fit cube.csv --models modes -o fit)
+acus_add_cli_case(acus-fit.modes_in_percent EXIT 3 LEAVES_NOTHING
+  BEFORE "${modes_input}\nsed -i 's/^shear,0.10/shear,10/' cube.csv"
+  STDERR "cube.csv:[0-9]+: a shear of 10; at most 5 is allowed. Is it in percent"
+  COMMAND acus-fit cube.csv --models modes -o fit)
 set(indentation_input "bash ${CMAKE_CURRENT_LIST_DIR}/indentation_input.sh")
 acus_add_cli_case(acus-fit.indentation EXIT 0 BEFORE "${indentation_input}"
   STDOUT "^a +(neo_hookean|yeoh|fung) +0\\.[01][0-9]+ " CREATES fit/fit.json fit/b_indentation.svg

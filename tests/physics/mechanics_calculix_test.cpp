@@ -161,13 +161,19 @@ void WriteHyperelasticInput(const std::filesystem::path& path, const StampedBloc
   const HyperelasticLaw& law = block.table.law[kTissue];
   const double c10 = 0.5 * tissue.ShearModulusMpa();
   const double d1 = 2.0 / tissue.BulkModulusMpa();  // Its energy of volume is (J - 1)^2 / D1.
-  out << "*MATERIAL, NAME=M\n*HYPERELASTIC, " << (law.kind == LawKind::kYeoh ? "YEOH" : "NEO HOOKE")
-      << "\n";
-  if (law.kind == LawKind::kYeoh) {
+  out << "*MATERIAL, NAME=M\n*HYPERELASTIC, ";
+  if (law.kind == LawKind::kOgden) {
+    out << "OGDEN, N=2\n";
+    for (const OgdenTerm& term : law.ogden) {
+      out << term.share * tissue.ShearModulusMpa() << ", " << term.exponent << ", ";
+    }
+    out << d1 << ", 1e12\n";
+  } else if (law.kind == LawKind::kYeoh) {
+    out << "YEOH\n";
     // The coefficients of (J - 1)^4 and (J - 1)^6 are next to nothing.
     out << c10 << ", " << law.c2_mpa << ", " << law.c3_mpa << ", " << d1 << ", 1e12, 1e12\n";
   } else {
-    out << c10 << ", " << d1 << "\n";
+    out << "NEO HOOKE\n" << c10 << ", " << d1 << "\n";
   }
   out << "*SOLID SECTION, ELSET=T" << kTissue
       << ", MATERIAL=M\n*STEP, NLGEOM, INC=100\n*STATIC\n0.1, "
@@ -184,7 +190,8 @@ void WriteHyperelasticInput(const std::filesystem::path& path, const StampedBloc
 
 TEST_F(Calculix, GivesTheSameDisplacementsUnderAStamp) {
   for (const HyperelasticLaw& law :
-       {HyperelasticLaw{}, HyperelasticLaw{LawKind::kYeoh, 2e-3, 1e-3, 0.0}}) {
+       {HyperelasticLaw{}, HyperelasticLaw{LawKind::kYeoh, 2e-3, 1e-3, 0.0},
+        HyperelasticLaw{.kind = LawKind::kOgden, .ogden = {{{0.8, -6.0}, {0.2, 7.0}}}}}) {
     SCOPED_TRACE(LawName(law.kind));
     const StampedBlock block(law);
     WriteHyperelasticInput(folder_.path() / "box.inp", block);

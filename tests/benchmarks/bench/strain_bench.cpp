@@ -20,13 +20,23 @@ namespace {
 constexpr double kReachMm = 14.0;
 constexpr double kDepthMm = 60.0;
 
+using mechanics::HyperelasticLaw;
+
 struct Case {
   const char* name;
   double exponent_share;  ///< Of the presets' exponents b; 0: neo_hookean.
   int nodes;              ///< 0: linear.
   int iterations;
   double speed_mm_per_s;
+  HyperelasticLaw of_all{};  ///< Of every tissue, in place of the presets; neo_hookean: none.
 };
+
+/// As brain cortex in several modes, and as meat, with fibres across the needle.
+const HyperelasticLaw kOgden{.kind = mechanics::LawKind::kOgden, .ogden = {{{1.0, -18.8}}}};
+const HyperelasticLaw kFibres{.kind = mechanics::LawKind::kKnowles,
+                              .exponent_b = 1028.0,
+                              .power_n = 0.80,
+                              .fibres = {3.2e-3, 0.0, Eigen::Vector3d::UnitX()}};
 
 struct Block {
   mesh::TetraMesh mesh;
@@ -36,7 +46,11 @@ struct Block {
   explicit Block(double element_mm)
       : mesh(TissueBlock::Mesh(element_mm)), tables([] {
           Provenance provenance;
-          return TissueBlockTables::FromPresets(provenance);
+          TissueBlockTables presets = TissueBlockTables::FromPresets(provenance);
+          // The static solver has no shells: the solids are whole.
+          presets.elasticity.membranes.clear();
+          presets.elasticity.has_beneath.reset();
+          return presets;
         }()) {
     const mechanics::FreeNodes free = mechanics::FindFreeNodes(mesh);
     const mechanics::Condensation condensation(
@@ -46,9 +60,14 @@ struct Block {
   }
   static mechanics::Capsule Corridor() { return {{0, 0, 1}, {0, 0, -kDepthMm}, kReachMm}; }
 
-  mechanics::ElasticityTable Elasticity(double exponent_share) const {
+  mechanics::ElasticityTable Elasticity(double exponent_share,
+                                        const HyperelasticLaw& of_all = {}) const {
     mechanics::ElasticityTable table = tables.elasticity;
-    for (mechanics::HyperelasticLaw& law : table.law) {
+    if (of_all != HyperelasticLaw{}) {
+      table.law.fill(of_all);
+      return table;
+    }
+    for (HyperelasticLaw& law : table.law) {
       law.exponent_b *= exponent_share;
       if (law.exponent_b == 0.0) law = {};
     }
@@ -63,7 +82,8 @@ struct Block {
       settings.strain->max_nodes = c.nodes;
       settings.strain->iterations = c.iterations;
     }
-    return {mesh, compliance, Elasticity(c.exponent_share), tables.forces, tables.needle, settings};
+    return {mesh,          compliance,    Elasticity(c.exponent_share, c.of_all),
+            tables.forces, tables.needle, settings};
   }
 };
 
@@ -143,7 +163,9 @@ int Measure(double element_mm) {
                                          {"presets", 1.0, 160, 1, 20.0},
                                          {"presets", 1.0, 160, 2, 20.0},
                                          {"presets", 1.0, 160, 6, 20.0},
-                                         {"presets", 1.0, 160, 30, 20.0}}) {
+                                         {"presets", 1.0, 160, 30, 20.0},
+                                         {"ogden, exponent -18.8", 0.0, 160, 3, 20.0, kOgden},
+                                         {"knowles with fibres", 0.0, 160, 3, 20.0, kFibres}}) {
     Insert(block, c);
   }
   for (const double share : {0.0, 1.0, 4.0}) WholeBlock(block, share);

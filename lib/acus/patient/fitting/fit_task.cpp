@@ -14,6 +14,7 @@
 #include "acus/patient/fitting/fitted_table.h"
 #include "acus/patient/fitting/indentation_fit.h"
 #include "acus/patient/fitting/measured_fit.h"
+#include "acus/patient/fitting/modes_fit.h"
 #include "acus/patient/fitting/tension_fit.h"
 
 namespace acus::fitting {
@@ -214,6 +215,8 @@ constexpr SpecimenKind<TensionTest, TensionFit> kTensions{ReadTensionTest, Tensi
                                                           "_tension.svg"};
 constexpr SpecimenKind<IndentationTest, IndentationFit> kIndentations{
     ReadIndentationTest, IndentationJson, IndentationPlot, "_indentation.svg"};
+constexpr SpecimenKind<ModesTest, ModesFit> kModes{ReadModesTest, ModesJson, ModesPlot,
+                                                   "_modes.svg"};
 
 /// Reads, fits and draws every specimen into the folder. @param fit_one  a Fit of a test.
 /// @param needs_all  A file that is broken stops it; otherwise the others are used without it.
@@ -252,17 +255,33 @@ Specimens<Test, Fit> FitSpecimens(const FitTask& task, RunContext& context,
   return out;
 }
 
-std::string RunTensions(const FitTask& task, RunContext& context) {
-  ACUS_REQUIRE(
-      task.models.size() == 1 && task.tissue.empty(),
-      "--models hyperelastic is for tension tests, not for recordings of a needle; give it "
-      "alone, without --tissue");
+/// --models of specimens that no needle pierced. @param what  "tension tests".
+void RequireAlone(const FitTask& task, const char* model, const char* what) {
+  ACUS_REQUIRE(task.models.size() == 1 && task.tissue.empty(), "--models ", model, " is for ", what,
+               ", not for recordings of a needle; give it alone, without --tissue");
+}
+
+/// Each specimen by itself. @param fit_one  a Fit of a Test. @returns the table.
+template <typename Test, typename Fit>
+std::string RunSpecimens(const FitTask& task, RunContext& context,
+                         const SpecimenKind<Test, Fit>& kind, Fit (*fit_one)(const Test&),
+                         std::string (*table)(std::span<const Test>, std::span<const Fit>)) {
   AtomicFolder folder(task.output, context.overwrite);
-  const auto specimens = FitSpecimens(task, context, folder, kTensions, FitTension, true);
+  const auto specimens = FitSpecimens(task, context, folder, kind, fit_one, true);
   config::WriteJson(folder.path() / "fit.json", {{"specimens", specimens.documents}});
   config::WriteJson(folder.path() / "provenance.json", context.provenance.ToJson());
   folder.Commit();
-  return TensionTable(specimens.tests, specimens.fits);
+  return table(specimens.tests, specimens.fits);
+}
+
+std::string RunTensions(const FitTask& task, RunContext& context) {
+  RequireAlone(task, "hyperelastic", "tension tests");
+  return RunSpecimens(task, context, kTensions, FitTension, TensionTable);
+}
+
+std::string RunModes(const FitTask& task, RunContext& context) {
+  RequireAlone(task, "modes", "tests of one tissue in tension, compression and shear");
+  return RunSpecimens(task, context, kModes, FitModes, ModesTable);
 }
 
 /// @param fit_one  an IndentationFit of a test.
@@ -280,9 +299,7 @@ std::string RunIndentationTests(const FitTask& task, RunContext& context, const 
 }
 
 std::string RunIndentations(const FitTask& task, RunContext& context) {
-  ACUS_REQUIRE(task.models.size() == 1 && task.tissue.empty(),
-               "--models indentation is for indentations, not for recordings of a needle; give it "
-               "alone, without --tissue");
+  RequireAlone(task, "indentation", "indentations");
   return RunIndentationTests(task, context, FitIndentation, true);
 }
 
@@ -310,6 +327,7 @@ std::string RunFit(const FitTask& task, RunContext& context) {
     return std::ranges::find(task.models, model) != task.models.end();
   };
   if (asks_for("hyperelastic")) return RunTensions(task, context);
+  if (asks_for("modes")) return RunModes(task, context);
   return asks_for("indentation") ? RunIndentations(task, context) : RunFits(task, context);
 }
 

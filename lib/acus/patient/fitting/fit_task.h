@@ -12,8 +12,8 @@ namespace acus::fitting {
 struct FitTask {
   std::vector<std::filesystem::path> inputs;  ///< Recordings.
   std::filesystem::path output;               ///< Folder to make.
-  std::vector<std::string> models;            ///< As FitModels::FromNames, or "hyperelastic" or
-                                              ///< "indentation" alone.
+  std::vector<std::string> models;            ///< As FitModels::FromNames, or "hyperelastic",
+                                              ///< "modes" or "indentation" alone.
   std::string tissue;                         ///< Also a force table with this tissue; or empty.
   std::filesystem::path predict;              ///< A saved fit: predicts the inputs; or empty.
   double diameter_mm = 1.27;                  ///< Of the needle that was used.

@@ -91,7 +91,27 @@ TEST(ElasticityTable, ReadsLawsAndRefusesWhatTheyCannotUse) {
   fails(R"({"model": "fung", "source": "s"})", "/tissues/0/law/b: missing");
   fails(R"({"model": "yeoh", "c2_kpa": 1, "source": "s"})", "/law/c3_kpa: missing");
   fails(R"({"model": "neo_hookean", "b": 1, "source": "s"})", "/law/b: belongs to the law fung");
-  fails(R"({"model": "ogden", "source": "s"})", "/law/model");
+  EXPECT_EQ(with(R"({"model": "knowles", "b": 30, "power": 0.6, "source": "s"})"),
+            (HyperelasticLaw{.kind = LawKind::kKnowles, .exponent_b = 30.0, .power_n = 0.6}));
+  EXPECT_EQ(with(R"({"model": "ogden", "exponents": [-20], "source": "s"})"),
+            (HyperelasticLaw{.kind = LawKind::kOgden, .ogden = {{{1.0, -20.0}}}}));
+  const HyperelasticLaw two = with(R"({"model": "ogden", "exponents": [-20, 8],
+      "shares": [0.75, 0.25], "source": "s", "fibres": {"k1_kpa": 2, "direction": [0, 3, 4]}})");
+  EXPECT_EQ(two.ogden[1], (OgdenTerm{0.25, 8.0}));
+  EXPECT_EQ(two.fibres.k1_mpa, 2e-3);
+  EXPECT_TRUE(two.fibres.direction_in_ct.isApprox(Eigen::Vector3d(0.0, 0.6, 0.8)));
+  fails(R"({"model": "holzapfel", "source": "s"})", "/law/model");
+  fails(R"({"model": "ogden", "source": "s"})", "/law/exponents: missing");
+  fails(R"({"model": "ogden", "exponents": [4, 0.5], "shares": [0.5, 0.5], "source": "s"})",
+        "/law/exponents/1: is 0.5");
+  fails(R"({"model": "ogden", "exponents": [4, -4], "shares": [0.5, 0.6], "source": "s"})",
+        "sum to 1.1");
+  fails(R"({"model": "ogden", "exponents": [4, -4], "source": "s"})",
+        "/law/shares: has 1 number, exponents has 2");
+  fails(R"({"model": "knowles", "b": 30, "power": 0.4, "source": "s"})", "/law/power");
+  fails(R"({"model": "fung", "b": 2, "source": "s",
+            "fibres": {"k1_kpa": 2, "direction": [0, 0, 0]}})",
+        "/fibres/direction: is zero");
   fails(R"({"model": "fung", "b": 2})", "source");
   fails(R"({"model": "yeoh", "c2_kpa": -2, "c3_kpa": 0.1, "source": "s"})", "would let go");
 }

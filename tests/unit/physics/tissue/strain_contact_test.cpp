@@ -68,8 +68,18 @@ forces::NeedleForce Press(const FemNeedleModel& model, FemNeedleState& state, do
   return force;
 }
 
-TEST(StrainContact, HeldSkinIsTheStaticSolution) {
-  const StiffScene scene;
+const mechanics::HyperelasticLaw kHeldLaws[] = {
+    {mechanics::LawKind::kFung, 0, 0, 4.0},
+    {.kind = mechanics::LawKind::kOgden, .ogden = {{{0.9, -8.0}, {0.1, 10.0}}}},
+    {.kind = mechanics::LawKind::kKnowles,
+     .exponent_b = 20.0,
+     .power_n = 0.8,
+     .fibres = {2e-3, 0.5, Eigen::Vector3d::UnitX()}}};
+class HeldSkin : public testing::TestWithParam<mechanics::HyperelasticLaw> {};
+INSTANTIATE_TEST_SUITE_P(Laws, HeldSkin, testing::ValuesIn(kHeldLaws));
+
+TEST_P(HeldSkin, IsTheStaticSolution) {
+  const StiffScene scene(GetParam());
   const FemNeedleModel model = scene.Model(10.0);
   ASSERT_EQ(model.strain()->region().num_nodes(), scene.compliance.num_nodes());
   mechanics::FiniteStrainSolver solver(scene.mesh, scene.table,

@@ -1,6 +1,8 @@
 #include "acus/physics/mechanics/elements/elasticity_table.h"
 
 #include <algorithm>
+#include <cmath>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 
 #include "acus/base/config/json_file.h"
@@ -26,22 +28,59 @@ std::string NameOf(volume::Label label) {
   return Message("label ", int{label}, ", which is no standard label,");
 }
 
+/// @param where  Of the law, for messages.
+OgdenTerms OgdenTermsFrom(const json& block, const std::string& where) {
+  ACUS_REQUIRE(block.contains("exponents"), where, "/exponents: missing; ogden needs it");
+  const json& exponents = block.at("exponents");
+  const json shares = block.value("shares", json::array({1.0}));
+  ACUS_REQUIRE(shares.size() == exponents.size(), where, "/shares: has ", shares.size(),
+               shares.size() == 1 ? " number, exponents has " : " numbers, exponents has ",
+               exponents.size(), "; give each exponent its share of the shear modulus");
+  OgdenTerms terms;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < exponents.size(); ++i) {
+    terms[i] = {shares[i], exponents[i]};
+    ACUS_REQUIRE(std::abs(terms[i].exponent) >= kLeastOgdenExponent, where, "/exponents/", i,
+                 ": is ", terms[i].exponent, "; at least ", kLeastOgdenExponent, " or at most ",
+                 -kLeastOgdenExponent, " is allowed");
+    sum += terms[i].share;
+  }
+  ACUS_REQUIRE(std::abs(sum - 1.0) < 1e-6, where, "/shares: sum to ", sum,
+               "; they are shares of the shear modulus and must sum to 1");
+  return terms;
+}
+
+/// @param where  Of the law, for messages.
+Fibres FibresFrom(const json& block, const std::string& where) {
+  const json& direction = block.at("direction");
+  Fibres fibres{.k1_mpa = block.at("k1_kpa").get<double>() * 1e-3, .k2 = block.value("k2", 0.0)};
+  for (int i = 0; i < 3; ++i) fibres.direction_in_ct[i] = direction[static_cast<std::size_t>(i)];
+  ACUS_REQUIRE(fibres.direction_in_ct.norm() > 1e-6, where,
+               "/fibres/direction: is zero; give the direction of the fibres, as [0, 0, 1] for "
+               "head to foot");
+  fibres.direction_in_ct.normalize();
+  return fibres;
+}
+
 /// The block "law" of a row. @param where  Of the row, for messages.
 HyperelasticLaw LawFrom(const json& block, double shear_modulus_mpa, const std::string& where) {
   HyperelasticLaw law;
   const std::string model = block.at("model");
-  const auto refuse_other = [&](const char* key, const char* owner) {
-    ACUS_REQUIRE(model == owner || !block.contains(key), where, "/law/", key,
-                 ": belongs to the law ", owner, ", this one is ", model,
+  const auto refuse_other = [&](const char* key, std::initializer_list<const char*> owners) {
+    ACUS_REQUIRE(!block.contains(key) || std::ranges::find(owners, model) != owners.end(), where,
+                 "/law/", key, ": belongs to the law ", *owners.begin(), ", this one is ", model,
                  "; remove the key or choose that law");
   };
   const auto demand = [&](const char* key) {
     ACUS_REQUIRE(block.contains(key), where, "/law/", key, ": missing; ", model, " needs it");
     return block.at(key).get<double>();
   };
-  refuse_other("b", "fung");
-  refuse_other("c2_kpa", "yeoh");
-  refuse_other("c3_kpa", "yeoh");
+  refuse_other("b", {"fung", "knowles"});
+  refuse_other("c2_kpa", {"yeoh"});
+  refuse_other("c3_kpa", {"yeoh"});
+  refuse_other("power", {"knowles"});
+  refuse_other("exponents", {"ogden"});
+  refuse_other("shares", {"ogden"});
   if (model == "fung") {
     law.kind = LawKind::kFung;
     law.exponent_b = demand("b");
@@ -49,7 +88,15 @@ HyperelasticLaw LawFrom(const json& block, double shear_modulus_mpa, const std::
     law.kind = LawKind::kYeoh;
     law.c2_mpa = demand("c2_kpa") * 1e-3;
     law.c3_mpa = demand("c3_kpa") * 1e-3;
+  } else if (model == "knowles") {
+    law.kind = LawKind::kKnowles;
+    law.exponent_b = demand("b");
+    law.power_n = demand("power");
+  } else if (model == "ogden") {
+    law.kind = LawKind::kOgden;
+    law.ogden = OgdenTermsFrom(block, where + "/law");
   }
+  if (block.contains("fibres")) law.fibres = FibresFrom(block.at("fibres"), where + "/law");
   const double least = LeastSlopeShare(law, shear_modulus_mpa);
   ACUS_REQUIRE(least >= kLeastSlopeShare, where, "/law: with c2_kpa ", block.value("c2_kpa", 0.0),
                " the tissue's stiffness falls to ", least, " of that at rest, at least ",

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "acus/base/core/error.h"
+
 namespace acus::mechanics {
 namespace {
 
@@ -18,6 +20,15 @@ LawAt Inside(const HyperelasticLaw& law, double half_shear_mpa, double x) {
       return {x * (half_shear_mpa + x * (law.c2_mpa + x * law.c3_mpa)),
               half_shear_mpa + x * (2.0 * law.c2_mpa + 3.0 * law.c3_mpa * x),
               2.0 * law.c2_mpa + 6.0 * law.c3_mpa * x};
+    case LawKind::kKnowles: {
+      const double n = law.power_n;
+      const double base = 1.0 + law.exponent_b * x / n;
+      const double slope = half_shear_mpa * std::pow(base, n - 1.0);
+      return {half_shear_mpa / law.exponent_b * (std::pow(base, n) - 1.0), slope,
+              slope * (n - 1.0) * law.exponent_b / (n * base)};
+    }
+    case LawKind::kOgden:
+      ACUS_ASSERT(false);
     case LawKind::kFung: {
       const double b = law.exponent_b;
       const double growth = std::expm1(b * x);
@@ -33,23 +44,6 @@ double EndOfUse(const HyperelasticLaw& law) {
   return std::min(kLargestX, std::log(kLargestStiffening) / law.exponent_b);
 }
 
-/// The second derivative of det F, times `weight`: blocks are cross products with a column of F.
-void AddDeterminantCurvature(const Eigen::Matrix3d& f, double weight, Matrix9& out) {
-  const auto cross = [&](int column) {
-    const Eigen::Vector3d v = weight * f.col(column);
-    Eigen::Matrix3d m;
-    m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-    return m;
-  };
-  // det F = f0 . (f1 x f2): d/df1 of f1 x f2 is -[f2]x, of f2 by d/df2 is [f1]x.
-  for (int a = 0; a < 3; ++a) {
-    const int b = (a + 1) % 3;
-    const int c = (a + 2) % 3;
-    out.block<3, 3>(3 * a, 3 * b) -= cross(c);
-    out.block<3, 3>(3 * a, 3 * c) += cross(b);
-  }
-}
-
 }  // namespace
 
 std::string_view LawName(LawKind kind) {
@@ -58,6 +52,10 @@ std::string_view LawName(LawKind kind) {
       return "yeoh";
     case LawKind::kFung:
       return "fung";
+    case LawKind::kKnowles:
+      return "knowles";
+    case LawKind::kOgden:
+      return "ogden";
     case LawKind::kNeoHookean:
       break;
   }
@@ -84,32 +82,18 @@ LawAt ValueOf(const HyperelasticLaw& law, double shear_modulus_mpa, double x) {
           at.slope_mpa + at.curvature_mpa * over, at.curvature_mpa};
 }
 
-VolumeFactor VolumeFactorAt(double j) {
-  const double at = std::max(j, kLeastJ);
-  const double root = std::cbrt(at);
-  const double value = 1.0 / (root * root);
-  const double slope = -2.0 / 3.0 * value / at;
-  const double curvature = -5.0 / 3.0 * slope / at;
-  const double over = std::min(j - kLeastJ, 0.0);
-  return {value + over * (slope + 0.5 * curvature * over), slope + curvature * over, curvature};
-}
+namespace {
 
-Eigen::Matrix3d Cofactor(const Eigen::Matrix3d& f) {
-  Eigen::Matrix3d c;
-  c.col(0) = f.col(1).cross(f.col(2));
-  c.col(1) = f.col(2).cross(f.col(0));
-  c.col(2) = f.col(0).cross(f.col(1));
-  return c;
-}
-
-double ShapeEnergyMpa(const HyperelasticLaw& law, double shear_modulus_mpa,
-                      const Eigen::Matrix3d& f) {
+double IsotropicEnergyMpa(const HyperelasticLaw& law, double shear_modulus_mpa,
+                          const Eigen::Matrix3d& f) {
+  if (law.kind == LawKind::kOgden) return OgdenEnergyMpa(law.ogden, shear_modulus_mpa, f);
   const double g = VolumeFactorAt(f.determinant()).value;
   return ValueOf(law, shear_modulus_mpa, g * f.squaredNorm() - 3.0).energy_mpa;
 }
 
-Eigen::Matrix3d ShapeStressMpa(const HyperelasticLaw& law, double shear_modulus_mpa,
-                               const Eigen::Matrix3d& f) {
+Eigen::Matrix3d IsotropicStressMpa(const HyperelasticLaw& law, double shear_modulus_mpa,
+                                   const Eigen::Matrix3d& f) {
+  if (law.kind == LawKind::kOgden) return OgdenStressMpa(law.ogden, shear_modulus_mpa, f);
   const Eigen::Matrix3d c = Cofactor(f);
   const VolumeFactor g = VolumeFactorAt(f.col(0).dot(c.col(0)));
   const double i1 = f.squaredNorm();
@@ -117,8 +101,9 @@ Eigen::Matrix3d ShapeStressMpa(const HyperelasticLaw& law, double shear_modulus_
   return (2.0 * slope * g.value) * f + (slope * g.slope * i1) * c;
 }
 
-Matrix9 ShapeTangentMpa(const HyperelasticLaw& law, double shear_modulus_mpa,
-                        const Eigen::Matrix3d& f, double pressure_mpa) {
+Matrix9 IsotropicTangentMpa(const HyperelasticLaw& law, double shear_modulus_mpa,
+                            const Eigen::Matrix3d& f) {
+  if (law.kind == LawKind::kOgden) return OgdenTangentMpa(law.ogden, shear_modulus_mpa, f);
   const Eigen::Matrix3d cofactor = Cofactor(f);
   const VolumeFactor g = VolumeFactorAt(f.col(0).dot(cofactor.col(0)));
   const double i1 = f.squaredNorm();
@@ -130,7 +115,30 @@ Matrix9 ShapeTangentMpa(const HyperelasticLaw& law, double shear_modulus_mpa,
   out += (2.0 * w.slope_mpa * g.slope) * (fv * cv.transpose() + cv * fv.transpose());
   out += (w.slope_mpa * g.curvature * i1) * cv * cv.transpose();
   out.diagonal().array() += 2.0 * w.slope_mpa * g.value;
-  AddDeterminantCurvature(f, w.slope_mpa * g.slope * i1 + pressure_mpa, out);
+  AddDeterminantCurvature(f, w.slope_mpa * g.slope * i1, out);
+  return out;
+}
+
+}  // namespace
+
+double ShapeEnergyMpa(const HyperelasticLaw& law, double shear_modulus_mpa,
+                      const Eigen::Matrix3d& f) {
+  const double isotropic_mpa = IsotropicEnergyMpa(law, shear_modulus_mpa, f);
+  return law.fibres.k1_mpa > 0.0 ? isotropic_mpa + FibreEnergyMpa(law.fibres, f) : isotropic_mpa;
+}
+
+Eigen::Matrix3d ShapeStressMpa(const HyperelasticLaw& law, double shear_modulus_mpa,
+                               const Eigen::Matrix3d& f) {
+  Eigen::Matrix3d stress = IsotropicStressMpa(law, shear_modulus_mpa, f);
+  if (law.fibres.k1_mpa > 0.0) stress += FibreStressMpa(law.fibres, f);
+  return stress;
+}
+
+Matrix9 ShapeTangentMpa(const HyperelasticLaw& law, double shear_modulus_mpa,
+                        const Eigen::Matrix3d& f, double pressure_mpa) {
+  Matrix9 out = IsotropicTangentMpa(law, shear_modulus_mpa, f);
+  if (law.fibres.k1_mpa > 0.0) out += FibreTangentMpa(law.fibres, f);
+  AddDeterminantCurvature(f, pressure_mpa, out);
   return out;
 }
 
