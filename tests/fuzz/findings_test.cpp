@@ -15,14 +15,13 @@ TEST_P(FuzzedReader, ReadsItsSeeds) {
   const testing_support::TemporaryFolder folder;
   const Reader& reader = GetParam();
   reader.write_seeds(folder / "");
-  int num_seeds = 0;
-  for (const auto& entry : fs::directory_iterator(folder / "")) {
-    const fs::path named = entry.path().string() + std::string(reader.extension);
-    fs::rename(entry.path(), named);
+  const std::vector<fs::path> seeds(fs::directory_iterator(folder / ""), fs::directory_iterator());
+  EXPECT_FALSE(seeds.empty());
+  for (const fs::path& seed : seeds) {
+    const fs::path named = seed.string() + std::string(reader.extension);
+    fs::rename(seed, named);
     ReadOrRefuse(reader, named);
-    ++num_seeds;
   }
-  EXPECT_GT(num_seeds, 0);
 }
 
 TEST_P(FuzzedReader, ReadsOrRefusesWhatOnceWasAFinding) {

@@ -29,8 +29,10 @@ extern "C" int LLVMFuzzerInitialize(int* /*argc*/, char*** /*argv*/) {
     std::exit(2);
   }
   // In memory: a million files on a disk would take hours.
-  file = "/dev/shm/acus-fuzz-" + std::to_string(::getpid()) + std::string(reader->extension);
-  std::atexit([] { std::filesystem::remove(file); });
+  const std::filesystem::path folder = "/dev/shm/acus-fuzz-" + std::to_string(::getpid());
+  std::filesystem::create_directory(folder);
+  file = folder / ("input" + std::string(reader->extension));
+  std::atexit([] { std::filesystem::remove_all(file.parent_path()); });
   return 0;
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,9 @@
 #include "acus/base/core/delimited_text.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/run_context.h"
+#include "acus/base/core/table_sidecar.h"
 #include "acus/data/mesh/surface_io.h"
+#include "acus/data/session/column_csv.h"
 #include "acus/data/session/perk_buffer.h"
 #include "acus/data/session/plus_config.h"
 #include "acus/data/session/pose_csv.h"
@@ -25,6 +28,7 @@
 #include "acus/data/transforms/transform_file.h"
 #include "acus/data/volume/dicom_header.h"
 #include "acus/data/volume/dicom_segmentation.h"
+#include "acus/data/volume/dicom_series.h"
 #include "acus/data/volume/displacement_file.h"
 #include "acus/data/volume/named_values.h"
 #include "acus/data/volume/scalar_file.h"
@@ -33,8 +37,10 @@
 #include "acus/data/volume/vti_file.h"
 #include "acus/imaging/rf/matlab_file.h"
 #include "acus/physics/forces/laws/force_curve.h"
+#include "acus/rig/camera/camera_model.h"
 #include "acus/rig/tracking/igtl_wire.h"
 #include "support/dicom_segmentation_writer.h"
+#include "support/dicom_writer.h"
 #include "support/structure_set_writer.h"
 
 namespace acus::fuzz {
@@ -226,6 +232,133 @@ constexpr std::string_view kVtk =
     "# vtk DataFile Version 4.2\nsurface SPACE=RAS\nASCII\nDATASET POLYDATA\nPOINTS 4 float\n"
     "0 0 0 1 0 0 0 1 0 0 0 1\nPOLYGONS 4 16\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
 
+// The same needle in the exports of two trackers, and mappings of their columns.
+
+constexpr std::string_view kMotive =
+    "Format Version,1.23,Length Units,Meters\n\n,,RigidBody,RigidBody,RigidBody,RigidBody,"
+    "RigidBody,RigidBody,RigidBody\n,Name,Needle,Needle,Needle,Needle,Needle,Needle,Needle\n"
+    ",,\"A1\",\"A1\",\"A1\",\"A1\",\"A1\",\"A1\",\"A1\"\n,,Rotation,Rotation,Rotation,Rotation,"
+    "Position,Position,Position\nFrame,Time (Seconds),X,Y,Z,W,X,Y,Z\n"
+    "0,0.0,0,0,0,1,0.1,0.2,0.3\n1,0.1,0,0,0,1,0.2,0.2,0.3\n2,0.2,,,,,,,\n";
+constexpr std::string_view kTum =
+    "# timestamp tx ty tz qx qy qz qw\n1.0 0.1 0.2 0.3 0 0 0 1\n1.1 0.2 0.2 0.3 0 0 0 1\n";
+constexpr std::string_view kMotiveColumns =
+    R"json({"format": "acus-columns/1", "name": "m", "header_rows": [4, 6, 7], "first_row": 8,
+"length_unit": "m", "time": {"column": "Name/Time (Seconds)"}, "tools": [{"tool": "needle",
+"position": ["Needle/Position/X", "Needle/Position/Y", "Needle/Position/Z"],
+"rotation": ["Needle/Rotation/W", "Needle/Rotation/X", "Needle/Rotation/Y",
+"Needle/Rotation/Z"]}]})json";
+constexpr std::string_view kTumColumns =
+    R"({"format": "acus-columns/1", "name": "t", "first_row": 1, "length_unit": "m",
+"time": {"column": 1}, "tools": [{"tool": "needle", "position": [2, 3, 4],
+"rotation": [8, 5, 6, 7]}]})";
+
+/// A file of fixed content in a folder beside the one that is made up.
+fs::path Beside(Path file, const char* name, std::string_view text) {
+  const fs::path folder = file.parent_path() / "beside";
+  fs::create_directory(folder);
+  if (!fs::exists(folder / name)) WriteTextFile(folder / name, text);
+  return folder / name;
+}
+
+void ReadMotive(Path file) {
+  const fs::path columns = Beside(file, "motive.json", kMotiveColumns);
+  session::ReadColumnCsv(file, columns, true, RunContext{});
+}
+void ReadTum(Path file) {
+  const fs::path columns = Beside(file, "tum.json", kTumColumns);
+  session::ReadColumnCsv(file, columns, true, RunContext{});
+}
+void ReadColumns(Path file) {
+  const fs::path table = Beside(file, "motive.csv", kMotive);
+  session::ReadColumnCsv(table, file, false, RunContext{});
+}
+
+/// The description of a table, "Columns" and units of which are used.
+void ReadSidecar(Path file) {
+  fs::path table = file;
+  SidecarOf(table.replace_extension(".tsv"));
+}
+
+constexpr std::string_view kSidecar =
+    R"({"Columns": ["depth", "force"], "SamplingFrequency": 100, "StartTime": -1.5,
+"depth": {"Units": "mm"}, "force": {"Units": "N", "Description": "axial"}})";
+
+// Calibrations of OpenCV and ROS.
+
+constexpr std::string_view kOpenCvCamera =
+    "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\ncamera_matrix: !!opencv-matrix\n"
+    "   rows: 3\n   cols: 3\n   dt: d\n   data: [ 500., 0., 320., 0., 500., 240., 0., 0., 1. ]\n"
+    "distortion_coefficients: !!opencv-matrix\n   rows: 5\n   cols: 1\n   dt: d\n"
+    "   data: [ -0.1, 0.05, 0.001, -0.001, 0. ]\n";
+constexpr std::string_view kRosCamera =
+    "image_width: 640\nimage_height: 480\ncamera_name: head\ncamera_matrix:\n  rows: 3\n  cols: 3\n"
+    "  data: [500, 0, 320, 0, 500, 240, 0, 0, 1]\ndistortion_model: plumb_bob\n"
+    "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [-0.1, 0.05, 0, 0, 0]\n";
+constexpr std::string_view kXmlCamera =
+    "<?xml version=\"1.0\"?>\n<opencv_storage>\n<image_width>640</image_width>\n"
+    "<image_height>480</image_height>\n<camera_matrix type_id=\"opencv-matrix\">\n<rows>3</rows>"
+    "<cols>3</cols><dt>d</dt><data>500. 0. 320. 0. 500. 240. 0. 0. 1.</data></camera_matrix>\n"
+    "<distortion_coefficients type_id=\"opencv-matrix\"><rows>4</rows><cols>1</cols><dt>d</dt>"
+    "<data>-0.1 0.05 0. 0.</data></distortion_coefficients>\n</opencv_storage>\n";
+
+void ReadCameraFile(Path file) {
+  camera::ReadCamera(file);
+}
+
+constexpr std::string_view kComposite =
+    "#Insight Transform File V1.0\n#Transform 0\nTransform: CompositeTransform_double_3_3\n"
+    "#Transform 1\nTransform: Euler3DTransform_double_3_3\nParameters: 0.1 0.2 0.3 1 2 3\n"
+    "FixedParameters: 4 5 6 0\n#Transform 2\nTransform: AffineTransform_double_3_3\n"
+    "Parameters: 1 0 0 0 1 0 0 0 1 7 8 9\nFixedParameters: 0 0 0\n";
+
+/// Two slices in a folder, one of which is made up.
+void ReadSlices(Path file) {
+  const fs::path folder = file.parent_path() / "slices";
+  fs::create_directory(folder);
+  const fs::path second = folder / "b.dcm";
+  if (!fs::exists(second)) {
+    testing_support::WriteDicomSlice(second, {.columns = 4,
+                                              .rows = 3,
+                                              .position_mm = {0, 0, 2},
+                                              .stored = std::vector<std::int16_t>(12)});
+  }
+  fs::remove(folder / "a.dcm");
+  fs::create_hard_link(file, folder / "a.dcm");
+  volume::ReadDicomCt(folder, "", RunContext{});
+}
+
+void WriteSlice(Path folder) {
+  testing_support::WriteDicomSlice(
+      folder / "seed.dcm", {.columns = 4, .rows = 3, .stored = std::vector<std::int16_t>(12, 7)});
+}
+
+/// NIfTI-2, after the header of a NIfTI-1 file.
+void WriteNifti2(Path folder) {
+  WriteVolume(folder, ".nii");
+  const std::string old = ReadTextFile(folder / "seed.nii");
+  fs::remove(folder / "seed.nii");
+  std::string head(544, '\0');
+  const auto put = [&head](std::size_t at, const auto& value) {
+    std::memcpy(head.data() + at, &value, sizeof(value));
+  };
+  put(0, std::int32_t{540});
+  head.replace(4, 8, std::string("n+2\0\r\n\x1a\n", 8));
+  put(12, std::int16_t{4});
+  put(14, std::int16_t{16});
+  const std::int64_t sizes[] = {3, 3, 2, 2, 1, 1, 1, 1};
+  for (std::size_t n = 0; n < 8; ++n) put(16 + 8 * n, sizes[n]);
+  const double spacings[] = {1, 1, 1.5, 2, 1, 1, 1, 1};
+  for (std::size_t n = 0; n < 8; ++n) put(104 + 8 * n, spacings[n]);
+  put(168, std::int64_t{544});
+  put(176, 1.0);
+  put(348, std::int32_t{1});
+  const double rows[] = {1, 0, 0, 0, 0, 1.5, 0, 0, 0, 0, 2, 0};
+  for (std::size_t n = 0; n < 12; ++n) put(400 + 8 * n, rows[n]);
+  put(500, std::int32_t{2});
+  WriteSeed(folder, "seed.nii", head + old.substr(352));
+}
+
 /// Two segments in two layers.
 void WriteSegments(Path folder) {
   volume::ScalarFile file = SmallVolume(2);
@@ -265,6 +398,8 @@ constexpr Reader kReaders[] = {
      WriteSegmentation},
     {"structure_set", ".dcm", [](Path file) { volume::ReadStructureSet(file, SmallCtGrid()); },
      WriteContours},
+    {"nifti_2", ".nii", ReadVolumeFile, WriteNifti2},
+    {"dicom_slices", ".dcm", ReadSlices, WriteSlice},
     {"nifti_series", ".nii", [](Path file) { volume::ReadVolumeOf(file, 1); }, WriteSeries},
     {"legacy_vtk", ".vtk", ReadSurfaceFile,
      [](Path folder) { WriteSeed(folder, "seed.vtk", kVtk); }},
@@ -288,6 +423,8 @@ constexpr Reader kReaders[] = {
      [](Path folder) {
        transforms::WriteTransform(folder / "seed.tfm", Eigen::Isometry3d::Identity(), "seed");
      }},
+    {"transform_composite", ".tfm", [](Path file) { transforms::ReadTransform(file); },
+     [](Path folder) { WriteSeed(folder, "seed.tfm", kComposite); }},
     {"landmarks_csv", ".csv", [](Path file) { transforms::ReadLandmarks(file); },
      [](Path folder) {
        WriteSeed(folder, "seed.csv", "name,x_mm,y_mm,z_mm\na,1,2,3\nb,4,5,-6\n");
@@ -316,6 +453,18 @@ constexpr Reader kReaders[] = {
      [](Path folder) { WriteSeed(folder, "seed.csv", kMachine); }},
     {"plain_table", ".csv", [](Path file) { AsPlainCsv(ReadTextFile(file), file.string()); },
      [](Path folder) { WriteSeed(folder, "seed.csv", kMachine); }},
+    {"motive_csv", ".csv", ReadMotive, [](Path folder) { WriteSeed(folder, "seed.csv", kMotive); }},
+    {"tum_poses", ".txt", ReadTum, [](Path folder) { WriteSeed(folder, "seed.txt", kTum); }},
+    {"columns_mapping", ".json", ReadColumns,
+     [](Path folder) { WriteSeed(folder, "seed.json", kMotiveColumns); }},
+    {"table_sidecar", ".json", ReadSidecar,
+     [](Path folder) { WriteSeed(folder, "seed.json", kSidecar); }},
+    {"camera_opencv", ".yml", ReadCameraFile,
+     [](Path folder) { WriteSeed(folder, "seed.yml", kOpenCvCamera); }},
+    {"camera_ros", ".yaml", ReadCameraFile,
+     [](Path folder) { WriteSeed(folder, "seed.yaml", kRosCamera); }},
+    {"camera_xml", ".xml", ReadCameraFile,
+     [](Path folder) { WriteSeed(folder, "seed.xml", kXmlCamera); }},
     {"channel_data", ".mat", [](Path file) { rf::ReadMatlab(file, ""); }, WriteChannels},
     {"tracker_message", ".bin", ReadMessage, WriteMessages},
 };

@@ -132,7 +132,7 @@ def poses(factor=1.0, head="t,x,y,z,qw,qx,qy,qz", separator=",", comma=False, st
     text = head.replace(",", separator) + "\n" if head else ""
     for i in range(60):
         row = (start + step * i, factor * (100 + i), factor * (20 - 0.5 * i), factor * 700.0, *q)
-        text += separator.join(f"{v:.9g}".replace(".", "," if comma else ".") for v in row) + "\n"
+        text += separator.join(f"{v:.13g}".replace(".", "," if comma else ".") for v in row) + "\n"
     return text
 
 

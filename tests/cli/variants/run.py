@@ -3,8 +3,8 @@
 
 Usage: run.py BIN CONFIGS WORK [--only TEXT] [--every N] [--list]
 
-TEXT is a part of KIND.NAME, such as "dicom." or "rtstruct_hole"; --every N runs each N-th variant, and none of those
-that wait for the clock (sessions of 3 s); --list prints right outcomes, too.
+TEXT is a part of KIND.NAME, such as "dicom." or "rtstruct_hole"; --every N runs each N-th variant, all that
+were once mistaken, and none of those that wait for the clock (sessions of 3 s); --list prints right outcomes, too.
 
 Each variant states the exit codes that are right, and what the output must say where it is 0. A variant that
 may be read or refused has both codes: a wrong result with exit code 0 is a fault all the same. Exits with 0 if
@@ -26,6 +26,7 @@ import images
 import labels
 import live
 import measure
+import mistaken
 import shapes
 import run_reports
 import tables
@@ -68,7 +69,7 @@ def main():
         subprocess.run(["acus-camera", "sample", "--count", "1", "-o", sample], env=environment, check=True,
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         environment["CAMERA_SAMPLE"] = str(sample)
-    if only.split(".")[0] in ("", "streams", "transforms", "igtl"):
+    if only.split(".")[0] in ("", "streams", "transforms", "igtl", "mistaken"):
         patient = run_reports.make_patient(SOURCE, work, environment)
         environment.update(PATIENT=str(patient), SCENARIO=str(patient / "scenario.json"))
     kinds = {}
@@ -80,7 +81,7 @@ def main():
                 continue
             seen += 1
             kinds[case["kind"]] = kinds.get(case["kind"], 0) + 1
-            if seen % every or (every > 1 and case.get("waits")):
+            if (seen % every and not case.get("always")) or (every > 1 and case.get("waits")):
                 continue
             total += 1
             folder = work / "runs" / re.sub(r"\W", "_", case["name"])
@@ -107,7 +108,7 @@ MAKERS = [tables.curve_cases, tables.unit_cases, tables.force_cases, images.nift
           frames.transform_cases, frames.tracker_cases, frames.session_cases, labels.structure_cases,
           labels.segmentation_cases, labels.map_cases, cameras.cases, live.cases,
           exports.machine_cases, exports.landmark_cases, exports.tracker_cases, exports.volume_cases,
-          exports.surface_cases]
+          exports.surface_cases, mistaken.cases]
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -51,6 +51,32 @@ bool IsUnitRow(std::span<const std::string> cells) {
   return std::ranges::all_of(cells, is_unit) && !std::ranges::all_of(cells, &std::string::empty);
 }
 
+/// The names in a comment right before the rows ("# time_s depth_mm force_n"), as a row of the
+/// style; empty unless there are as many as cells in the first row, which holds numbers.
+std::string HeaderInComment(std::string_view comment, std::string_view first_row,
+                            const TableStyle& style) {
+  const auto is_number = [&](const std::string& cell) {
+    return NumberInCell(cell, style.has_decimal_comma).has_value();
+  };
+  std::vector<std::string> cells, names;
+  SplitCells(first_row, style.separator, cells);
+  if (std::ranges::none_of(cells, is_number)) return {};
+  comment = Trimmed(comment);
+  comment.remove_prefix(std::min(comment.find_first_not_of("#%/ \t"), comment.size()));
+  for (const char separator : {style.separator, ',', ';', '\t', ' '}) {
+    SplitCells(comment, separator, names);
+    const bool fits =
+        names.size() == cells.size() && IsFull(names) && std::ranges::none_of(names, is_number);
+    if (!fits) continue;
+    std::string row;
+    for (const std::string& name : names) {
+      row += (row.empty() ? "\"" : std::string(1, style.separator) + '"') + name + '"';
+    }
+    return row;
+  }
+  return {};
+}
+
 }  // namespace
 
 CsvTable::CsvTable(const std::filesystem::path& path) : path_(path) {
@@ -140,6 +166,14 @@ std::size_t CsvTable::TakeHeader(std::span<const Line> lines) {
     how_read_ += Message("; header in line ", lines[header].number, ", ", header,
                          header == 1 ? " row" : " rows", " before it skipped");
   }
+  ACUS_REQUIRE(
+      header > 0 || next > 1 ||
+          !std::ranges::all_of(columns_,
+                               [this](const std::string& name) {
+                                 return NumberInCell(name, style_.has_decimal_comma).has_value();
+                               }),
+      path_.string(), ":", lines[0].number,
+      ": begins with numbers; a row with the names of the columns is needed before them");
   auto sorted = columns_;
   std::ranges::sort(sorted);
   const auto twice = std::ranges::adjacent_find(sorted);
@@ -170,6 +204,7 @@ void CsvTable::Parse(std::string bytes, bool has_header) {
   const std::string text = Utf8Text(std::move(bytes), name);
   style_ = StyleOf(text, name);
   std::vector<Line> lines;
+  std::string_view comment;  // The last one before the rows.
   std::size_t number = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
@@ -177,12 +212,19 @@ void CsvTable::Parse(std::string bytes, bool has_header) {
     begin = end + 1;
     ++number;
     if (line.ends_with('\r')) line.remove_suffix(1);
+    if (IsCommentLine(line) && lines.empty()) comment = line;
     if (Trimmed(line).empty() || IsCommentLine(line)) continue;
     ACUS_REQUIRE(line.find('\0') == line.npos, name, ":", number,
                  ": has a zero byte; this is not a CSV file");
     lines.push_back({line, number});
   }
   ACUS_REQUIRE(!has_header || !lines.empty(), name, ": is empty; a header row is needed");
+  std::string commented;
+  if (has_header && !comment.empty()) commented = HeaderInComment(comment, lines[0].text, style_);
+  if (!commented.empty()) {
+    lines.insert(lines.begin(), {commented, lines[0].number - 1});
+    how_read_ += "; names of the columns in a comment";
+  }
   std::size_t next = 0;
   if (has_header) {
     next = TakeHeader(lines);

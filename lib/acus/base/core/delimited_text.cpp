@@ -80,6 +80,18 @@ std::size_t LinesOfNumbers(const std::vector<std::string_view>& lines, char sepa
   return count;
 }
 
+/// The separator that all lines have in the same number, of a table with few numbers.
+char CommonSeparator(const std::vector<std::string_view>& lines) {
+  for (const char separator : {'\t', ';', '|'}) {
+    const auto count = [&](std::string_view line) { return std::ranges::count(line, separator); };
+    const auto is_common = [&](std::string_view line) {
+      return count(line) > 0 && count(line) == count(lines.front());
+    };
+    if (!lines.empty() && std::ranges::all_of(lines, is_common)) return separator;
+  }
+  return ',';
+}
+
 char SeparatorOf(const std::vector<std::string_view>& lines) {
   for (const char separator : {';', '\t', '|'}) {
     const auto has = [&](std::string_view line) { return line.find(separator) != line.npos; };
@@ -89,7 +101,7 @@ char SeparatorOf(const std::vector<std::string_view>& lines) {
   }
   const auto has_comma = [](std::string_view line) { return line.find(',') != line.npos; };
   const std::size_t by_blanks = LinesOfNumbers(lines, ' ');
-  if (by_blanks == 0) return ',';
+  if (by_blanks == 0) return std::ranges::any_of(lines, has_comma) ? ',' : CommonSeparator(lines);
   if (!std::ranges::any_of(lines, has_comma)) return ' ';
   // "0,0 0,05 0,003": cells between blanks, decimals after commas.
   std::vector<std::string> cells;
@@ -118,7 +130,7 @@ struct Unit {
   double amount;  ///< In s, mm, N.
 };
 
-constexpr std::array<Unit, 39> kUnits = {{{"s", 's', 1.0},
+constexpr std::array<Unit, 42> kUnits = {{{"s", 's', 1.0},
                                           {"sec", 's', 1.0},
                                           {"secs", 's', 1.0},
                                           {"second", 's', 1.0},
@@ -156,7 +168,10 @@ constexpr std::array<Unit, 39> kUnits = {{{"s", 's', 1.0},
                                           {"newtons", 'n', 1.0},
                                           {"mn", 'n', 1e-3},
                                           {"kn", 'n', 1e3},
-                                          {"cn", 'n', 1e-2}}};
+                                          {"cn", 'n', 1e-2},
+                                          {"gf", 'n', 9.80665e-3},
+                                          {"kgf", 'n', 9.80665},
+                                          {"lbf", 'n', 4.4482216152605}}};
 
 const Unit* FindUnit(std::string_view name) {
   const auto found = std::ranges::find(kUnits, name, &Unit::name);

@@ -248,6 +248,9 @@ Session ReadColumnCsv(const fs::path& path, const fs::path& columns, bool as_it_
   }
   ACUS_REQUIRE(last_ns, label, ": has no rows of data from row ",
                mapping.at("first_row").get<int>(), " on");
+  ACUS_REQUIRE(num_repeated == 0 || session.needle.size() + session.probe.size() > tools.size(),
+               label, ": all rows have one time; does column '", names[time_column],
+               "' hold the time?");
   if (num_repeated > 0) {
     context.Warn(Message(label, ": ", Counted(num_repeated, "row# with the time of the row before"),
                          " omitted; the first of each is kept"));

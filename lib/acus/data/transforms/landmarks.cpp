@@ -13,6 +13,7 @@
 #include "acus/base/core/delimited_text.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/spelling.h"
+#include "acus/base/core/words.h"
 #include "acus/base/core/xml_scan.h"
 
 namespace acus::transforms {
@@ -131,16 +132,29 @@ bool IsRas(const std::string& text, const std::string& where) {
 Landmarks ReadFcsv(const std::filesystem::path& path) {
   std::istringstream lines(Utf8Text(ReadTextFile(path), path.string()));
   bool is_ras = true;  // Files older than the key are RAS.
+  bool has_system = false;
   for (std::string line; std::getline(lines, line) && line.starts_with('#');) {
     const auto equals = line.find('=');
+    ACUS_REQUIRE(
+        line.find("columns") == line.npos || equals == line.npos ||
+            line.find("id,x,y,z,") != line.npos || line.find("label,desc") != line.npos,
+        path.string(), ": has the columns '", Trimmed(line.substr(equals + 1)),
+        "'; those of 3D Slicer 4.2 and later (id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,...) "
+        "are read. Open the points in 3D Slicer and save them again");
     if (line.find("CoordinateSystem") == line.npos || equals == line.npos) continue;
     std::string value = line.substr(equals + 1);
     std::erase_if(value, [](unsigned char c) { return std::isspace(c) != 0; });
     is_ras = IsRas(value, path.string() + ": CoordinateSystem");
+    has_system = true;
   }
   const CsvTable table(path, {"id", "x", "y", "z", "ow", "ox", "oy", "oz", "vis", "sel", "lock",
                               "label", "desc", "associatedNodeID"});
-  return FromTable(table, "label", {"x", "y", "z"}, is_ras);
+  Landmarks landmarks = FromTable(table, "label", {"x", "y", "z"}, is_ras);
+  if (!has_system) {
+    landmarks.how_read += Message(landmarks.how_read.empty() ? "" : "; ",
+                                  "no CoordinateSystem in it: taken as RAS, as in old files");
+  }
+  return landmarks;
 }
 
 /// The member `key` of `node`, or null.
@@ -201,7 +215,11 @@ Landmarks ReadMarkupsJson(const std::filesystem::path& path) {
                       collector);
     }
   }
-  return collector.Take();
+  Landmarks landmarks = collector.Take();
+  if (Member(markups[0], "coordinateSystem").is_null()) {
+    landmarks.how_read = "no coordinateSystem in it: taken as LPS";
+  }
+  return landmarks;
 }
 
 /// The landmarks of a phantom definition in a PLUS configuration.
@@ -281,6 +299,19 @@ void SayHowRead(const Landmarks& reference, const Landmarks& ct, MarkerPairs& pa
   }
 }
 
+Landmarks WithLowerNames(Landmarks landmarks) {
+  for (std::string& name : landmarks.names) {
+    std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  }
+  return landmarks;
+}
+
+bool ShareAName(const Landmarks& a, const Landmarks& b) {
+  return std::ranges::any_of(a.names, [&](const std::string& name) {
+    return !name.empty() && std::ranges::find(b.names, name) != b.names.end();
+  });
+}
+
 MarkerPairs MatchByOrder(const Landmarks& reference, const Landmarks& ct) {
   ACUS_REQUIRE(reference.points_mm.cols() == ct.points_mm.cols(), reference.source, " has ",
                reference.points_mm.cols(), " points, ", ct.source, " has ", ct.points_mm.cols(),
@@ -320,6 +351,10 @@ void WriteLandmarks(const std::filesystem::path& path, const Landmarks& landmark
 MarkerPairs MatchLandmarks(const Landmarks& reference, const Landmarks& ct, std::size_t least) {
   std::vector<std::pair<Eigen::Index, Eigen::Index>> matches;
   std::vector<std::string> lonely;
+  const Landmarks lower_ct = WithLowerNames(ct), lower_reference = WithLowerNames(reference);
+  if (!ShareAName(reference, ct) && ShareAName(lower_reference, lower_ct)) {
+    return MatchLandmarks(lower_reference, lower_ct, least);
+  }
   for (std::size_t i = 0; i < reference.names.size(); ++i) {
     const auto found = std::ranges::find(ct.names, reference.names[i]);
     if (reference.names[i].empty() || found == ct.names.end()) {

@@ -9,6 +9,7 @@
 
 #include "acus/base/core/atomic_file.h"
 #include "acus/base/core/csv.h"
+#include "acus/base/core/delimited_text.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/number_text.h"
 #include "acus/base/core/words.h"
@@ -27,6 +28,15 @@ constexpr double kFarthestTranslationMm = 1e6;
 constexpr std::string_view kComposite = "CompositeTransform_";
 constexpr std::size_t kMostParts = 100;
 constexpr std::string_view kMagic = "#Insight Transform File V1.0";
+
+/// The text without the lines that are comments.
+std::string WithoutComments(std::string_view text) {
+  std::string rest;
+  for (const std::string& line : LinesOf(text)) {
+    if (!IsCommentLine(line)) rest += line + "\n";
+  }
+  return rest;
+}
 
 /// All numbers of a text; nothing else may be in it.
 std::vector<double> Numbers(std::string_view text, const std::string& where) {
@@ -212,7 +222,18 @@ Eigen::Isometry3d ReadTransform(const std::filesystem::path& path) {
 Eigen::Isometry3d ParseRigidMatrix(std::string_view text, const std::string& label) {
   ACUS_REQUIRE(text.size() <= 10000, label, ": is not a transform: neither '", kMagic,
                "' nor 16 numbers");
-  const std::vector<double> numbers = Numbers(text, label);
+  const std::string matrix_text = WithoutComments(Utf8Text(std::string(text), label));
+  const TableStyle style = StyleOf(matrix_text, label);
+  ACUS_REQUIRE(!style.has_decimal_comma, label,
+               ": has decimal commas; write the 16 numbers with a decimal point");
+  const auto begin = std::min(matrix_text.find_first_not_of(" \t\r\n"), matrix_text.size());
+  const bool is_numbers =
+      std::string_view("+-.0123456789").find(matrix_text[begin]) != std::string_view::npos;
+  ACUS_REQUIRE(begin == matrix_text.size() || is_numbers, label,
+               ": is no transform that is read: neither '", kMagic,
+               "' (ITK, 3D Slicer) nor 16 numbers (4 x 4, row by row); it begins with '",
+               std::string_view(matrix_text).substr(begin, 30), "'");
+  const std::vector<double> numbers = Numbers(matrix_text, label);
   ACUS_REQUIRE(numbers.size() == 16, label, ": 16 numbers (4 x 4, row by row) are needed, got ",
                numbers.size());
   const Matrix4d matrix =

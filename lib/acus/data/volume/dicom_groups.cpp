@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "acus/base/core/error.h"
+#include "acus/base/core/number_text.h"
 #include "acus/base/core/parallel.h"
 #include "acus/data/volume/dicom_pixels.h"
 
@@ -29,6 +30,7 @@ using Headers = std::vector<DicomHeader>;
 
 std::vector<fs::path> FilesIn(const fs::path& folder) {
   std::error_code error;
+  if (fs::is_regular_file(folder, error)) return {folder};  // A multi-frame object.
   ACUS_REQUIRE(fs::is_directory(folder, error), folder.string(), ": no such folder");
   std::vector<fs::path> files;
   const auto options = fs::directory_options::skip_permission_denied;
@@ -168,9 +170,25 @@ struct Part {
 
 using NameOf = std::function<std::string(const DicomHeader&)>;
 
+/// What may distinguish the volumes of one series.
+struct Way {
+  const char* what;
+  NameOf name_of;
+  bool is_time = false;
+};
+
+/// Numbers in their order, before other texts.
+struct InOrderOfNumbers {
+  bool operator()(const std::string& a, const std::string& b) const {
+    const auto x = ParseFinite(a), y = ParseFinite(b);
+    if (x && y && *x != *y) return *x < *y;
+    return x.has_value() == y.has_value() ? a < b : x.has_value();
+  }
+};
+
 /// Parts by a value in the headers; nothing if they are not volumes of their own.
 std::vector<Part> PartsBy(const Headers& stack, const NameOf& name_of) {
-  std::map<std::string, Headers> by_name;
+  std::map<std::string, Headers, InOrderOfNumbers> by_name;
   for (const DicomHeader& header : stack) by_name[name_of(header)].push_back(header);
   if (by_name.size() < 2) return {};
   std::vector<Part> parts;
@@ -248,17 +266,28 @@ std::string CommonText(const Headers& headers, std::string DicomHeader::*text) {
 /// @param stack  In order along the normal.
 std::vector<Part> PartsOf(Headers stack, std::vector<std::string>& notes) {
   if (stack.front().is_placed && HasSharedPlaces(stack)) {
-    const std::pair<const char*, NameOf> ways[] = {
+    // Times are no names: their parts are counted in their order.
+    const Way ways[] = {
         {"acquisition number", [](const DicomHeader& h) { return h.acquisition_number; }},
+        {"percentage of the cycle",
+         [](const DicomHeader& h) {
+           return h.phase_percentage.empty() ? "" : h.phase_percentage + "%";
+         }},
         {"comment", [](const DicomHeader& h) { return h.comments; }},
-        {"acquisition time", [](const DicomHeader& h) { return h.acquisition_time; }},
+        {"description", [](const DicomHeader& h) { return h.description; }},
+        {"trigger time", [](const DicomHeader& h) { return h.trigger_time; }, true},
+        {"acquisition time", [](const DicomHeader& h) { return h.acquisition_time; }, true},
+        {"content time", [](const DicomHeader& h) { return h.content_time; }, true},
         {"image type", [](const DicomHeader& h) { return h.image_type; }}};
     const char* by = "the order of the instances";
     std::vector<Part> parts;
-    for (const auto& [what, name_of] : ways) {
-      parts = PartsBy(stack, name_of);
+    for (const Way& way : ways) {
+      parts = PartsBy(stack, way.name_of);
       if (parts.empty()) continue;
-      by = what;
+      by = way.what;
+      for (std::size_t k = 0; way.is_time && k < parts.size(); ++k) {
+        parts[k].name = Message("part ", k + 1);
+      }
       break;
     }
     if (parts.empty()) parts = PartsByOrder(stack);
@@ -309,13 +338,15 @@ std::vector<SliceGroup> SliceGroupsIn(const fs::path& folder, int num_threads) {
       const std::string uid = first.series_uid.empty() ? "unnamed" : first.series_uid;
       const int number = ++parts_of_uid[uid];
       SliceGroup& group = groups.emplace_back();
-      group.series = {.uid = number == 1 ? uid : Message(uid, "#", number),
-                      .description = first.description +
-                                     (part.name.empty() ? "" : " [" + part.name + "]") +
-                                     DerivedWord(first.image_type),
-                      .temporal_position = first.temporal_position,
-                      .files = {},
-                      .image_size = {first.columns, first.rows}};
+      group.series = {
+          .uid = number == 1 ? uid : Message(uid, "#", number),
+          .description =
+              first.description +
+              (part.name.empty() || part.name == first.description ? "" : " [" + part.name + "]") +
+              DerivedWord(first.image_type),
+          .temporal_position = first.temporal_position,
+          .files = {},
+          .image_size = {first.columns, first.rows}};
       for (const DicomHeader& header : part.headers) group.series.files.push_back(header.file);
       group.notes = notes;
       group.headers = std::move(part.headers);

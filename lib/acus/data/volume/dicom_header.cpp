@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <optional>
 #include <tuple>
@@ -178,6 +179,15 @@ void Rescale(const std::vector<double>& slope, const std::vector<double>& interc
   if (!intercept.empty()) header.rescale_intercept = intercept[0];
 }
 
+/// Nominal Percentage of Cardiac Phase (FL), which scanners also use for breath; empty without.
+std::string Percentage(const DicomValues& dicom) {
+  float percent = 0.0F;
+  const auto found = dicom.values.find(0x00209241U);
+  if (found == dicom.values.end() || found->second.size() != sizeof(percent)) return {};
+  std::memcpy(&percent, found->second.data(), sizeof(percent));
+  return percent >= 0.0F && percent <= 100.0F ? Message(percent) : std::string();
+}
+
 DicomHeader HeaderFrom(const Walker& walker, const fs::path& path) {
   const DicomValues& dicom = walker.values();
   DicomHeader header;
@@ -193,6 +203,10 @@ DicomHeader HeaderFrom(const Walker& walker, const fs::path& path) {
   header.instance_uid = dicom.Text(0x00080018U);
   header.acquisition_number = dicom.Text(0x00200012U);
   header.acquisition_time = dicom.Text(0x00080032U);
+  if (header.acquisition_time.empty()) header.acquisition_time = dicom.Text(0x0008002AU);
+  header.content_time = dicom.Text(0x00080033U);
+  header.trigger_time = dicom.Text(0x00181060U);
+  header.phase_percentage = Percentage(dicom);
   header.comments = dicom.Text(0x00204000U);
   if (const auto number = dicom.Decimals(0x00200013U, 1); !number.empty()) {
     header.instance_number = number[0];
@@ -204,6 +218,7 @@ DicomHeader HeaderFrom(const Walker& walker, const fs::path& path) {
   header.columns = dicom.Short(0x00280011U, 0);
   header.bits_allocated = dicom.Short(0x00280100U, 16);
   header.bits_stored = dicom.Short(0x00280101U, header.bits_allocated);
+  header.high_bit = dicom.Short(0x00280102U, header.bits_stored - 1);
   header.is_signed = dicom.Short(0x00280103U, 0) == 1;
   header.samples_per_pixel = dicom.Short(0x00280002U, 1);
   const auto frames = dicom.Decimals(0x00280008U, 1);

@@ -20,7 +20,10 @@ struct DicomHeader {
   std::string image_type;     ///< For example "ORIGINAL\PRIMARY\LOCALIZER".
   std::string instance_uid;   ///< Of the object; may be empty.
   std::string acquisition_number;
-  std::string acquisition_time;
+  std::string acquisition_time;  ///< Or date and time.
+  std::string content_time;
+  std::string trigger_time;                 ///< Since the last breath or heart beat, ms.
+  std::string phase_percentage;             ///< Nominal, of a cycle.
   std::string comments;                     ///< Image comments: of some scanners, the phase.
   double instance_number = 0.0;             ///< 0: not known.
   std::optional<double> slice_location_mm;  ///< As the scanner says, along its axis.
@@ -29,6 +32,7 @@ struct DicomHeader {
   int num_frames = 1;
   int bits_allocated = 16;
   int bits_stored = 16;
+  int high_bit = 15;  ///< The highest bit that is stored.
   bool is_signed = false;
   int samples_per_pixel = 1;
   bool has_pixels = false;

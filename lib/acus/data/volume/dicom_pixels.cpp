@@ -229,6 +229,11 @@ std::vector<std::int16_t> DecodedSlice(const DicomHeader& header) {
   const double padding = header.padding_value.value_or(0.0) * slope + intercept;
   const bool has_high_padding = header.padding_value && padding > kMaxPlausibleHu;
   std::vector<std::int16_t> hu(count);
+  // Old scanners store pixels in the upper bits.
+  const int shift = header.is_encapsulated ? 0 : header.high_bit + 1 - header.bits_stored;
+  ACUS_REQUIRE(shift >= 0 && shift <= header.bits_allocated - header.bits_stored, name,
+               ": its high bit is ", header.high_bit, " with ", header.bits_stored, " of ",
+               header.bits_allocated, " bits stored; the header is broken");
   // Bits above those stored may hold an overlay; padding may use them.
   const unsigned unused = static_cast<unsigned>(header.bits_allocated - header.bits_stored);
   for (std::size_t i = 0; i < count; ++i) {
@@ -241,7 +246,7 @@ std::vector<std::int16_t> DecodedSlice(const DicomHeader& header) {
     }
     const bool is_declared_padding = header.padding_value && whole == *header.padding_value;
     const std::int32_t stored =
-        is_declared_padding ? whole : WithoutHighBits(whole, unused, header);
+        is_declared_padding ? whole : WithoutHighBits(whole >> shift, unused, header);
     const double value = std::round(stored * slope + intercept);
     const bool is_padding = has_high_padding && value >= padding;
     hu[i] =

@@ -24,6 +24,23 @@ constexpr double kMostSkewDeg = 1.0;       ///< More is no rounding.
 constexpr double kSamePlaceVoxels = 0.1;   ///< Forms that differ by less are one.
 constexpr double kSameFormSpacing = 0.01;  ///< Relative.
 
+/// Lengths that the header gives in metres or micrometres are converted to mm.
+void ConvertToMm(NiftiHeader& header) {
+  constexpr std::uint8_t kLengthBits = 7, kMetres = 1, kMm = 2, kMicrometres = 3;
+  const std::uint8_t units = header.bytes[123] & kLengthBits;
+  if (units != kMetres && units != kMicrometres) return;
+  header.mm_per_unit = units == kMetres ? 1e3 : 1e-3;
+  const auto convert = [&](std::size_t from, std::size_t end) {
+    for (std::size_t at = from; at < end; at += 4) {
+      header.Set(at, static_cast<float>(header.At<float>(at) * header.mm_per_unit));
+    }
+  };
+  convert(80, 92);    // pixdim.
+  convert(268, 280);  // The origin of the qform.
+  convert(280, 328);  // The rows of the sform.
+  header.bytes[123] = static_cast<std::uint8_t>((header.bytes[123] & ~kLengthBits) | kMm);
+}
+
 /// A number of the header of NIfTI-2.
 template <typename T>
 T WideAt(const std::array<std::uint8_t, kBytesOfVersion2>& bytes, std::size_t offset,
@@ -73,6 +90,7 @@ NiftiHeader FromVersion2(const std::array<std::uint8_t, kBytesOfVersion2>& wide,
   whole(WideAt<std::int32_t>(wide, 504, swapped), 68, "intent_code");
   std::copy_n(wide.begin() + 240, 80, header.bytes.begin() + 148);  // The description.
   std::memcpy(&header.bytes[344], "n+1", 4);
+  ConvertToMm(header);
   return header;
 }
 
@@ -185,6 +203,20 @@ double SkewOf(const Form& form, const fs::path& path) {
   return gram.cwiseAbs().maxCoeff();
 }
 
+Eigen::Array3d PixdimOf(const NiftiHeader& header) {
+  return {header.At<float>(80), header.At<float>(84), header.At<float>(88)};
+}
+
+/// @throws InputError if pixdim has other spacings than the form: one of them was not changed when
+///     the volume was resampled.
+void RequireSameSpacing(const NiftiHeader& header, const Form& form, const fs::path& path) {
+  const Eigen::Array3d stated_mm = PixdimOf(header).abs();
+  const Eigen::Array3d form_mm = form.leftCols<3>().colwise().norm().transpose();
+  ACUS_REQUIRE(((stated_mm / form_mm - 1.0).abs() < kSameFormSpacing).all(), path.string(),
+               ": its pixdim has voxels of ", stated_mm.transpose(), " mm and its sform of ",
+               form_mm.transpose(), " mm; one of them is wrong. Export it again");
+}
+
 /// Makes the header one of the part alone. Returns the bytes of the part, and those before it.
 std::pair<z_off_t, z_off_t> SetPart(NiftiHeader& header, const NiftiPart& part) {
   z_off_t bytes = header.At<std::int16_t>(72) / 8 * part.channels;
@@ -250,6 +282,7 @@ NiftiHeader ReadNiftiHeader(const fs::path& path) {
   if (header.At<std::int32_t>(0) != 348) header.swapped = true;
   ACUS_REQUIRE(header.At<std::int32_t>(0) == 348 && std::memcmp(&header.bytes[344], "n+1", 3) == 0,
                path.string(), ": is not a single-file NIfTI (.nii or .nii.gz)");
+  ConvertToMm(header);
   return header;
 }
 
@@ -271,9 +304,22 @@ std::unique_ptr<Temporary> ReadableNifti(const fs::path& path, const NiftiPart& 
   if (part.channels > 1 && volumes > 1) {
     notes.push_back("its vectors are its fourth dimension; they are taken as mm in LPS, as ITK's");
   }
-  const bool is_readable =
-      !header.is_version_2 && skew <= kReadByItk && !(chosen && chosen->differs) && volumes == 1;
+  if (chosen) RequireSameSpacing(header, chosen->form, path);
+  const bool has_lone_intercept = header.At<float>(112) == 0.0F && header.At<float>(116) != 0.0F;
+  const bool is_readable = !header.is_version_2 && skew <= kReadByItk &&
+                           !(chosen && chosen->differs) && volumes == 1 && !has_lone_intercept &&
+                           header.mm_per_unit == 1.0 && (PixdimOf(header) > 0.0).all();
   if (is_readable) return nullptr;
+  if (header.mm_per_unit != 1.0) {
+    notes.push_back(Message("its lengths are in ", header.mm_per_unit > 1.0 ? "m" : "um",
+                            ", as its header says; they are converted to mm"));
+  }
+  if (has_lone_intercept) {
+    notes.push_back(Message("its slope is 0, so that its values are as stored; the intercept of ",
+                            header.At<float>(116), " does not count"));
+    header.Set(116, 0.0F);
+  }
+  for (std::size_t at = 80; at < 92; at += 4) header.Set(at, std::abs(header.At<float>(at)));
   if (skew > kReadByItk) {
     notes.push_back(Message("its voxel axes are up to ", skew_deg,
                             " degrees from perpendicular; the nearest rotation is used"));

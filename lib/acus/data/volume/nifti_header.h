@@ -18,6 +18,7 @@ namespace acus::volume {
 struct NiftiHeader {
   bool swapped = false;
   bool is_version_2 = false;
+  double mm_per_unit = 1.0;  ///< Of the lengths in the file, as xyzt_units says; here they are mm.
   std::array<std::uint8_t, 352> bytes{};
 
   template <typename T>
@@ -56,10 +57,12 @@ struct NiftiPart {
 /// A copy that ITK reads, for a file of NIfTI-2, one whose axes are up to a degree from
 /// perpendicular (the nearest rotation is taken), one whose qform and sform place it differently
 /// (the one in scanner coordinates is taken, otherwise the sform), one of several volumes over
-/// time, and one whose vectors are its fourth dimension.
+/// time, one whose vectors are its fourth dimension, and one in metres or micrometres. An intercept
+/// beside a slope of 0, which means no scaling, does not count.
 /// @param notes  Takes a sentence on what was done.
 /// @returns nothing if the file can be read as it is.
-/// @throws InputError if the axes are farther from perpendicular, or the forms have other spacings.
+/// @throws InputError if the axes are farther from perpendicular, or the forms or pixdim have other
+///     spacings.
 /// @pre the header has been checked (CheckNiftiHeader).
 std::unique_ptr<Temporary> ReadableNifti(const std::filesystem::path& path, const NiftiPart& part,
                                          std::vector<std::string>& notes);

@@ -23,6 +23,7 @@ constexpr std::uint32_t kRoiName = 0x30060026U;
 constexpr std::uint32_t kRoiContours = 0x30060039U;
 constexpr std::uint32_t kContours = 0x30060040U;
 constexpr std::uint32_t kContourType = 0x30060042U;
+constexpr std::uint32_t kNumberOfPoints = 0x30060046U;
 constexpr std::uint32_t kContourData = 0x30060050U;
 constexpr std::uint32_t kObservations = 0x30060080U;
 constexpr std::uint32_t kReferencedRoi = 0x30060084U;
@@ -80,11 +81,19 @@ std::vector<Roi> RoisOf(const DicomItem& root) {
 Points PointsOf(const DicomItem& contour, const Roi& roi, const Eigen::Affine3d& index_from_ct,
                 const fs::path& path) {
   const auto bytes = contour.values.find(kContourData);
-  if (bytes == contour.values.end()) return {};
+  const int stated = WholeNumber(contour, kNumberOfPoints);
+  if (bytes == contour.values.end()) {
+    ACUS_REQUIRE(stated <= 0, path.string(), ": a contour of '", roi.name.text, "' states ", stated,
+                 " points and holds none; export it again");
+    return {};
+  }
   const auto count = static_cast<std::size_t>(std::ranges::count(bytes->second, '\\')) + 1;
   const auto numbers = contour.Decimals(kContourData, count);
   ACUS_REQUIRE(numbers.size() == count && count % 3 == 0, path.string(), ": a contour of '",
                roi.name.text, "' is not a list of points (x\\y\\z\\...); export it again");
+  ACUS_REQUIRE(stated <= 0 || count == 3 * static_cast<std::size_t>(stated), path.string(),
+               ": a contour of '", roi.name.text, "' states ", stated, " points and holds ",
+               count / 3, "; export it again");
   Points points;
   for (std::size_t n = 0; n < count; n += 3) {
     points.push_back(index_from_ct * Eigen::Vector3d(numbers[n], numbers[n + 1], numbers[n + 2]));
@@ -158,14 +167,15 @@ std::vector<Plane> PlanesOf(const Roi& roi, int axis, const Geometry& grid) {
   return planes;
 }
 
-/// Distance between the planes of an ROI, in slices: the median.
+/// Distance between the planes of an ROI, in slices: the lower quartile, as planes that are missing
+/// make distances larger.
 double StepOf(const std::vector<Plane>& planes) {
   std::vector<double> steps;
   for (std::size_t n = 1; n < planes.size(); ++n) steps.push_back(planes[n].at - planes[n - 1].at);
   if (steps.empty()) return 1.0;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::ranges::nth_element(steps, middle);
-  return std::max(*middle, 1.0);
+  const auto quartile = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 4);
+  std::ranges::nth_element(steps, quartile);
+  return std::max(*quartile, 1.0);
 }
 
 /// Rows of pixels of one plane, and where contours cross them.

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "acus/base/core/atomic_file.h"
+#include "acus/base/core/input_file.h"
 #include "acus/base/core/number_text.h"
 #include "acus/data/volume/dicom_header.h"
 #include "acus/data/volume/dicom_series.h"
@@ -105,6 +108,65 @@ void WarnIfNotHounsfield(const CtVolume& ct, const fs::path& path, const RunCont
   }
 }
 
+/// Hounsfield units that were normalised, or attenuation.
+/// @throws InputError if the values lie so near each other that they would be lost by rounding.
+void RequireRangeOfCt(const ScalarFile& file, const fs::path& path) {
+  constexpr double kLeastRange = 20.0;  // From air to tissue it is 1000.
+  if (file.type != ScalarType::kFloat32 && file.type != ScalarType::kFloat64) return;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  ForEach(file, [&](std::size_t, auto value) {
+    if (!std::isfinite(static_cast<double>(value))) return;
+    low = std::min(low, static_cast<double>(value));
+    high = std::max(high, static_cast<double>(value));
+  });
+  ACUS_REQUIRE(!(high > low) || high - low >= kLeastRange, path.string(), ": its values lie from ",
+               low, " to ", high,
+               "; they are not in Hounsfield units, but normalised or attenuation. Export the CT "
+               "in HU");
+}
+
+/// What the JSON file of BIDS or dcm2niix beside a NIfTI file says of its values.
+/// @throws InputError if that is something else than a CT in HU.
+void RequireCtBySidecar(const fs::path& path) {
+  constexpr std::uintmax_t kMostBytes = 1U << 20U;
+  const fs::path sidecar = path.parent_path() / (VolumeStem(path) + ".json");
+  std::error_code error;
+  const bool is_there = path.filename().string().find(".nii") != std::string::npos &&
+                        fs::is_regular_file(sidecar, error) &&
+                        fs::file_size(sidecar, error) <= kMostBytes;
+  if (!is_there) return;
+  const std::string json = ReadTextFile(sidecar);
+  RequireJsonDepth(json, sidecar.string());
+  const auto document = nlohmann::json::parse(json, nullptr, /*allow_exceptions=*/false);
+  const auto text = [&](const char* key) {
+    const bool has = document.is_object() && document.contains(key) && document[key].is_string();
+    return has ? document[key].get<std::string>() : std::string();
+  };
+  const std::string modality = text("Modality");
+  ACUS_REQUIRE(modality.empty() || modality == "CT", path.string(), ": is no CT: its Modality in ",
+               sidecar.filename().string(), " is ", modality,
+               ". A CT is needed, because tissues are distinguished by Hounsfield units");
+  std::string units = text("Units");
+  std::ranges::transform(units, units.begin(), [](unsigned char c) { return std::tolower(c); });
+  ACUS_REQUIRE(units.empty() || units == "hu" || units.starts_with("hounsfield"), path.string(),
+               ": its Units in ", sidecar.filename().string(), " are '", text("Units"),
+               "'; Hounsfield units (HU) are needed");
+}
+
+/// What a DICOM file is that is given in place of a folder. @throws InputError unless it holds all
+/// slices of a CT.
+void RequireMultiFrameCt(const fs::path& path) {
+  const auto header = ReadDicomHeader(path);
+  if (!header) return;
+  const bool is_ct = header->modality == "CT" || header->modality.empty();
+  ACUS_REQUIRE(header->has_pixels && is_ct, path.string(), ": is a DICOM object of the kind ",
+               header->modality.empty() ? "without an image" : header->modality,
+               "; a CT is needed here, as the folder that holds its slices. Labels (SEG, "
+               "RTSTRUCT) are given by --import");
+  ACUS_REQUIRE(header->num_frames > 1, path.string(),
+               ": is one DICOM slice; give the folder that holds the whole series");
+}
+
 /// A file of labels is given as CT by mistake.
 void RequireNoLabelMap(const ScalarFile& file, const CtVolume& ct, const fs::path& path) {
   constexpr std::ptrdiff_t kMostLabels = 128;  // A CT that is cut to 8 bit has about 256 values.
@@ -199,15 +261,17 @@ std::map<Label, std::string> NamesFor(const LabelMap& labels,
 CtVolume ReadCt(const fs::path& path, const std::string& series, const RunContext& context) {
   ACUS_REQUIRE(fs::exists(path), path.string(), ": no such file or folder");
   CtVolume ct;
-  if (fs::is_directory(path)) {
+  const bool may_be_dicom = !fs::is_directory(path) && !IsScalarFileName(path);
+  if (may_be_dicom) RequireMultiFrameCt(path);
+  if (fs::is_directory(path) || (may_be_dicom && ReadDicomHeader(path))) {
     ct = ReadDicomCt(path, series, context);
   } else {
-    ACUS_REQUIRE(IsScalarFileName(path) || !ReadDicomHeader(path), path.string(),
-                 ": is one DICOM slice; give the folder that holds the whole series");
+    RequireCtBySidecar(path);
     context.Checkpoint("reading the CT", 0.0);
     const ScalarFile file = ReadVolumeOf(path, VolumeNumber(path, series));
     for (const std::string& note : file.notes) context.Warn(Message(path.string(), ": ", note));
     RequireSizeOfBody(file.geometry, path);
+    RequireRangeOfCt(file, path);
     ct = CtFrom(file);
     RequireNoLabelMap(file, ct, path);
     if (!file.is_placed) {

@@ -23,7 +23,7 @@ struct DicomSeries {
 /// @throws InputError if there is no readable DICOM image in it.
 std::vector<DicomSeries> ListDicomSeries(const std::filesystem::path& folder);
 
-/// Reads a CT: a DICOM folder, or a NIfTI, NRRD or MetaImage file.
+/// Reads a CT: a DICOM folder or multi-frame file, or a NIfTI, NRRD or MetaImage file.
 ///
 /// Values are Hounsfield units; padding (below -1024) becomes -1024, values above 32767 are cut
 /// off.
@@ -31,7 +31,8 @@ std::vector<DicomSeries> ListDicomSeries(const std::filesystem::path& folder);
 ///     If empty, a folder with one CT-like series (at least 3 parallel, evenly spaced slices) reads
 ///     that. Of a NIfTI file with several volumes over time: the number of one, from 1 on.
 /// @throws InputError if the format is unknown, the file is cut off or broken, slices are missing
-///     or uneven, or the choice of series is open (the message lists them).
+///     or uneven, the choice of series is open (the message lists them), or the JSON file beside a
+///     NIfTI file (BIDS) says that it is no CT in HU.
 CtVolume ReadCt(const std::filesystem::path& path, const std::string& series,
                 const RunContext& context);
 

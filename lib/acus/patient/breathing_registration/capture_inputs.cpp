@@ -48,7 +48,12 @@ Capture CaptureFrom(const CaptureInputs& inputs, const CaptureSettings& settings
     if (!inputs.fields.empty()) {
       return FromFields(inputs, FindPhases(inputs.fields, signal), settings, context);
     }
-    return FromImages(inputs, FindPhases(inputs.phases, signal), settings, context);
+    PhaseFiles phases = FindPhases(inputs.phases, signal);
+    if (!phases.omitted.empty()) {
+      context.Warn(Message(inputs.phases.string(),
+                           ": series without the number of a phase omitted: ", phases.omitted));
+    }
+    return FromImages(inputs, std::move(phases), settings, context);
   }();
   capture.motion.period_s = period_s.value_or(capture.motion.period_s);
   return capture;

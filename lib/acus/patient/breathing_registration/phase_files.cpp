@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <functional>
 #include <regex>
+#include <set>
 
 #include "acus/base/core/csv.h"
+#include "acus/base/core/number_text.h"
+#include "acus/base/core/words.h"
 #include "acus/data/volume/scalar_file.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/physics/breathing/breathing_pattern.h"
@@ -49,21 +53,35 @@ PhaseFiles FromTable(const fs::path& folder) {
   return out;
 }
 
-/// The number of a phase in a name, as scanners write it: before "%" or "pct" ("20.0%A",
-/// "CT_20_pct_ex"), after "T=" or "phase", else the last one. Nothing if there is none.
-std::optional<long> NumberIn(const std::string& name) {
-  static const std::regex kPercent("([0-9]{1,3})(\\.0+)?[ _]*(%|pct|percent|prct)",
+/// The number of a phase in a name, as scanners write it: before "%" or "pct" ("20.0%A", "33,3 %",
+/// "CT_20_pct_ex"), or after "T=" or "phase".
+std::optional<double> StatedNumber(const std::string& name) {
+  static const std::regex kPercent("([0-9]{1,3})([.,]([0-9]{1,6}))?[ _]*(%|pct|percent|prct)",
                                    std::regex::icase);
   static const std::regex kNamed("(t ?=|phase|\\bph)[ _]*([0-9]{1,9})", std::regex::icase);
   std::smatch found;
-  if (std::regex_search(name, found, kPercent)) return std::stol(found[1]);
-  if (std::regex_search(name, found, kNamed)) return std::stol(found[2]);
+  if (std::regex_search(name, found, kPercent)) {
+    return ParseFinite(found[1].str() + "." + (found[3].length() > 0 ? found[3].str() : "0"));
+  }
+  if (std::regex_search(name, found, kNamed)) return std::stod(found[2]);
+  return std::nullopt;
+}
+
+/// The stated number of a phase, else the last one in the name. What a series is split by, in
+/// brackets at its end, comes first. Nothing if there is none.
+std::optional<double> NumberIn(const std::string& name) {
+  const std::size_t open = name.ends_with(']') ? name.rfind('[') : name.npos;
+  if (open != name.npos) {
+    const auto inside = NumberIn(name.substr(open + 1, name.size() - open - 2));
+    if (inside) return inside;
+  }
+  if (const auto stated = StatedNumber(name)) return stated;
   std::size_t end = name.size();
   while (end > 0 && std::isdigit(static_cast<unsigned char>(name[end - 1])) == 0) --end;
   std::size_t begin = end;
   while (begin > 0 && std::isdigit(static_cast<unsigned char>(name[begin - 1])) != 0) --begin;
   if (begin == end || end - begin > 9) return std::nullopt;
-  return std::stol(name.substr(begin, end - begin));
+  return std::stod(name.substr(begin, end - begin));
 }
 
 /// The volumes of one file over time, in its order.
@@ -87,24 +105,31 @@ bool IsOverAllPhases(const volume::DicomSeries& series) {
 }
 
 /// In the order of the numbers in the names, which must be evenly spaced; by name without numbers.
+/// @throws InputError if some names have numbers and others none, such as a CT for planning.
 void SortByNumber(std::vector<PhaseFile>& phases, const fs::path& folder) {
-  const bool numbered = std::ranges::all_of(
-      phases, [](const PhaseFile& phase) { return NumberIn(phase.name).has_value(); });
-  if (!numbered) {
+  const auto is_numbered = [](const PhaseFile& phase) { return NumberIn(phase.name).has_value(); };
+  const auto other = std::ranges::find_if_not(phases, is_numbered);
+  const auto numbered = std::ranges::find_if(phases, is_numbered);
+  if (numbered == phases.end()) {
     std::ranges::sort(phases, {}, &PhaseFile::name);
     return;
   }
+  ACUS_REQUIRE(other == phases.end(), folder.string(), ": '", other->name,
+               "' has no number of a phase, '", numbered->name,
+               "' has; is it a phase? Keep it elsewhere if it is none, otherwise say in phases.csv "
+               "where in the breath each phase lies");
   std::ranges::stable_sort(phases, {}, [](const PhaseFile& p) { return *NumberIn(p.name); });
-  long step = 0;
+  constexpr double kRounding = 0.11;  // Of "33.3%".
+  double step = 0.0;
   for (std::size_t n = 1; n < phases.size(); ++n) {
-    const long here = *NumberIn(phases[n].name) - *NumberIn(phases[n - 1].name);
+    const double here = *NumberIn(phases[n].name) - *NumberIn(phases[n - 1].name);
     step = n == 1 ? here : std::min(step, here);
   }
   for (std::size_t n = 1; n < phases.size(); ++n) {
-    const long here = *NumberIn(phases[n].name) - *NumberIn(phases[n - 1].name);
+    const double here = *NumberIn(phases[n].name) - *NumberIn(phases[n - 1].name);
     ACUS_REQUIRE(
-        here == step && step > 0, folder.string(), ": between ", phases[n - 1].name, " and ",
-        phases[n].name,
+        here - step <= kRounding && step > 2.0 * kRounding, folder.string(), ": between ",
+        phases[n - 1].name, " and ", phases[n].name,
         " a phase is missing or given twice: the numbers are not evenly spaced; add it, or "
         "say in phases.csv where in the breath each phase lies");
   }
@@ -115,7 +140,8 @@ std::vector<PhaseFile> VolumesIn(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder)) {
     const fs::path& path = entry.path();
     if (!entry.is_regular_file() || !volume::IsScalarFileName(path)) continue;
-    if (path.filename().string().find(".seg.") != std::string::npos) continue;
+    const std::string name = path.filename().string();
+    if (name.starts_with('.') || name.find(".seg.") != std::string::npos) continue;
     phases.push_back({.name = volume::VolumeStem(path), .path = path, .series = {}, .breath = {}});
   }
   if (phases.size() == 1) return VolumesOf(phases.front().path);
@@ -123,7 +149,22 @@ std::vector<PhaseFile> VolumesIn(const fs::path& folder) {
   return phases;
 }
 
-std::vector<PhaseFile> DicomIn(const fs::path& folder) {
+/// Removes series that state no number of a phase, if four or more do. @returns their names.
+std::string WithoutOthers(std::vector<volume::DicomSeries>& series) {
+  const auto is_stated = [](const volume::DicomSeries& s) {
+    return StatedNumber(s.description).has_value() || s.temporal_position > 0;
+  };
+  const auto stated = static_cast<std::size_t>(std::ranges::count_if(series, is_stated));
+  if (stated < kFewestPhases) return {};
+  std::vector<std::string> others;
+  for (const volume::DicomSeries& s : series) {
+    if (!is_stated(s)) others.push_back(s.description.empty() ? s.uid : s.description);
+  }
+  std::erase_if(series, std::not_fn(is_stated));
+  return Joined(others);
+}
+
+std::vector<PhaseFile> DicomIn(const fs::path& folder, std::string& omitted) {
   auto series = volume::ListDicomSeries(folder);
   std::erase_if(series, IsOverAllPhases);
   ACUS_REQUIRE(!series.empty(), folder.string(),
@@ -131,13 +172,15 @@ std::vector<PhaseFile> DicomIn(const fs::path& folder) {
   const std::size_t slices = series.front().files.size();
   // Scouts and dose reports have fewer slices.
   std::erase_if(series, [&](const volume::DicomSeries& s) { return 2 * s.files.size() < slices; });
+  omitted = WithoutOthers(series);
   for (const volume::DicomSeries& s : series) {
     ACUS_REQUIRE(s.files.size() == slices, folder.string(), ": series ", s.uid, " has ",
                  s.files.size(), " slices, another ", slices,
                  "; slices of a phase are missing, export the whole study again");
   }
-  const bool timed = std::ranges::all_of(
-      series, [](const volume::DicomSeries& s) { return s.temporal_position > 0; });
+  std::set<int> positions;
+  for (const volume::DicomSeries& s : series) positions.insert(s.temporal_position);
+  const bool timed = *positions.begin() > 0 && positions.size() == series.size();
   std::vector<PhaseFile> phases;
   for (const volume::DicomSeries& s : series) {
     std::string name = Message("phase ", s.temporal_position);
@@ -194,7 +237,7 @@ PhaseFiles FindPhases(const fs::path& folder,
     out = FromTable(folder);
   } else {
     out.phases = VolumesIn(folder);
-    if (out.phases.empty()) out.phases = DicomIn(folder);
+    if (out.phases.empty()) out.phases = DicomIn(folder, out.omitted);
     SpreadOverBreath(out.phases, signal);
   }
   ACUS_REQUIRE(out.phases.size() >= kFewestPhases, folder.string(), ": ", out.phases.size(),

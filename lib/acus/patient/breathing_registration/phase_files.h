@@ -24,6 +24,7 @@ struct PhaseFile {
 struct PhaseFiles {
   std::vector<PhaseFile> phases;    ///< In the order of the breath, from end inspiration.
   std::optional<PhaseFile> deeper;  ///< A scan beyond normal breath, to judge models by.
+  std::string omitted;              ///< What else is there, such as a CT for planning.
 };
 
 /// Finds the phases in a folder:
@@ -31,11 +32,13 @@ struct PhaseFiles {
 ///  - otherwise all volumes (NIfTI, NRRD, MetaImage) in the order of the numbers in their names;
 ///    a single NIfTI file, here or in place of the folder, holds all phases in their order;
 ///  - otherwise folders or series of DICOM in the order of their temporal position or description.
+///    Where four or more state a percentage or number of a phase, series without one are omitted.
 /// Without phases.csv the phases are taken to be evenly spread over one breath from end
 /// inspiration; their levels and rates are the means of the recorded breaths there, or of a regular
 /// breath.
-/// @throws InputError if there are fewer than four phases, one is missing from the row of numbers,
-///     or two have the same place in the breath.
+/// @throws InputError if there are fewer than four phases, one is missing from the row of numbers
+/// or
+///     has none, or two have the same place in the breath.
 PhaseFiles FindPhases(const std::filesystem::path& folder,
                       const std::optional<breathing::BreathSignal>& signal);
 

@@ -50,7 +50,14 @@ bool SignIsReversed(const ForceCurve& curve, const PunctureCurveFit& fit) {
   if (phases.retract.size() >= 20) {
     return deep_n < mean(phases.retract.begin, phases.retract.end) - clear_n;
   }
-  return fit.offset_n && deep_n < fit.offset_n->low - clear_n;
+  if (fit.offset_n) return deep_n < fit.offset_n->low - clear_n;
+  // Neither rest nor retraction: the force only falls below that of the beginning.
+  const double begin_n =
+      mean(phases.advance.begin,
+           phases.advance.begin + std::max<std::size_t>(phases.advance.size() / 20, 3));
+  const auto advance =
+      std::span(phases.smooth_n).subspan(phases.advance.begin, phases.advance.size());
+  return deep_n < begin_n - clear_n && std::ranges::max(advance) < begin_n + clear_n;
 }
 
 Samples RestSamples(const ForceCurve& curve, const CurvePhases& phases) {

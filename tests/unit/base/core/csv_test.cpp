@@ -46,6 +46,16 @@ void ExpectCurve(std::string_view text) {
   EXPECT_EQ(table.Numbers("force_n"), (std::vector<double>{0.0, -1.25, 2.5})) << text;
 }
 
+TEST(CsvTable, TakesNamesOfColumnsFromACommentRightBeforeTheRows) {
+  ExpectCurve("# needle 18 G\n# time_s force_n\n0 0\n0.5 -1.25\n1 2.5\n");  // NumPy's savetxt.
+  ExpectCurve("# time_s,force_n\n0 0\n0.5 -1.25\n1 2.5\n");
+  ExpectCurve("% Time (ms)\tForce (mN)\n0\t0\n500\t-1250\n1000\t2500\n");
+  ExpectCurve("//Time [s];Force [N]\n0;0\n0,5;-1,25\n1;2,5\n");
+  ExpectCurve("# two columns\ntime_s,force_n\n0,0\n0.5,-1.25\n1,2.5\n");
+  EXPECT_THAT([] { CsvTable(FileWith("# measured today by A\n0,0\n0.5,1\n1,2\n")); },
+              ThrowsMessage<InputError>(HasSubstr(":2: begins with numbers")));
+}
+
 TEST(CsvTable, ReadsWhatProgramsAndMachinesWrite) {
   ExpectCurve("\xEF\xBB\xBFtime_s,force_n\r\n0,0\r\n0.5,-1.25\r\n1,2.5");
   ExpectCurve("time_s;force_n\n0;0\n0,5;-1,25\n1,0;2,5\n");

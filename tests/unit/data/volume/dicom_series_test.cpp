@@ -267,7 +267,10 @@ TEST(DicomSeries, RefusesWhatIsNoCt) {
               ThrowsMessage<InputError>(HasSubstr("looks like a CT")));
   EXPECT_THAT([&] { Read(folder.path(), "1.2.3"); },
               ThrowsMessage<InputError>(HasSubstr("modality is MR")));
-  EXPECT_THAT([&] { Read(folder / "0"); }, ThrowsMessage<InputError>(HasSubstr("one DICOM slice")));
+  EXPECT_THAT([&] { Read(folder / "0"); }, ThrowsMessage<InputError>(HasSubstr("of the kind MR")));
+  WriteDicomSlice(folder / "ct", SliceAt({0, 0, 0}));
+  EXPECT_THAT([&] { Read(folder / "ct"); },
+              ThrowsMessage<InputError>(HasSubstr("one DICOM slice")));
 }
 
 TEST(DicomSeries, ATruncatedSliceIsAnInputErrorThatNamesIt) {

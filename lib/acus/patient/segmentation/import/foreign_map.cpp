@@ -30,7 +30,8 @@ void RequireOneValue(const volume::Grid<std::int32_t>& mask, const fs::path& fil
 std::vector<fs::path> FilesIn(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_regular_file()) files.push_back(entry.path());
+    const bool is_hidden = entry.path().filename().string().starts_with('.');  // "._liver.nii.gz"
+    if (entry.is_regular_file() && !is_hidden) files.push_back(entry.path());
   }
   std::ranges::sort(files);
   return files;

@@ -75,36 +75,49 @@ LabelMapping MappingByNames(const volume::NamedValues& map, const LabelNames& ta
   return mapping;
 }
 
+/// Words as they are written; capitals may begin others ("LeftKidney").
 std::vector<std::string> WordsOfName(const fs::path& file) {
   std::vector<std::string> words(1);
+  bool was_lower = false;
   for (const char c : volume::VolumeStem(file)) {
     const auto letter = static_cast<unsigned char>(c);
-    if (std::isalnum(letter) != 0) {
-      words.back() += static_cast<char>(std::tolower(letter));
-    } else if (!words.back().empty()) {
-      words.emplace_back();
-    }
+    const bool begins = std::isalnum(letter) == 0 || (was_lower && std::isupper(letter) != 0);
+    if (begins && !words.back().empty()) words.emplace_back();
+    if (std::isalnum(letter) != 0) words.back() += c;
+    was_lower = std::islower(letter) != 0;
   }
   return words;
 }
 
+/// Whether words name something else than a structure.
+bool NameAnother(std::span<const std::string> words, const std::string& structure,
+                 const LabelNames& table) {
+  for (std::size_t begin = 0; begin < words.size(); ++begin) {
+    for (std::size_t count = 1; begin + count <= words.size(); ++count) {
+      const auto known =
+          table.Find({.text = Joined(words.subspan(begin, count), "_"), .codes = {}});
+      if (known && known->structure.name != structure) return true;
+    }
+  }
+  return false;
+}
+
 /// The structure that a file's name states: that of the most words of it that are one after the
-/// other in the table. Nothing if there is none, or two.
+/// other in the table. Nothing if there is none, or the other words name a second one
+/// ("kidney_left_tumor").
 std::optional<volume::ValueName> StructureInName(const fs::path& file, const LabelNames& table) {
   const std::vector<std::string> words = WordsOfName(file);
   for (std::size_t count = words.size(); count > 0; --count) {
-    std::optional<volume::ValueName> found;
-    std::string structure;
     for (std::size_t begin = 0; begin + count <= words.size(); ++begin) {
-      const volume::ValueName name{.text = Joined(std::span(words).subspan(begin, count), "_"),
-                                   .codes = {}};
+      const std::span<const std::string> all = words;
+      const volume::ValueName name{.text = Joined(all.subspan(begin, count), "_"), .codes = {}};
       const auto known = table.Find(name);
-      if (!known || known->structure.name == structure) continue;
-      if (found) return {};
-      found = name;
-      structure = known->structure.name;
+      if (!known) continue;
+      const std::string& structure = known->structure.name;
+      const bool is_only = !NameAnother(all.first(begin), structure, table) &&
+                           !NameAnother(all.subspan(begin + count), structure, table);
+      return is_only ? std::optional(name) : std::nullopt;
     }
-    if (found) return found;
   }
   return {};
 }

@@ -1,9 +1,11 @@
 #include "acus/patient/segmentation/voxels/label_json.h"
 
+#include <cmath>
 #include <optional>
 #include <vector>
 
 #include "acus/base/config/json_file.h"
+#include "acus/base/core/csv.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/number_text.h"
 #include "acus/data/volume/scalar_file.h"
@@ -83,9 +85,39 @@ volume::ValueNames NamesOfDocument(const json& document, const fs::path& file) {
   return NamesIn(document.contains("labels") ? document.at("labels") : document, file);
 }
 
+/// The table of BIDS: columns index and name. Empty if the file is another table.
+volume::ValueNames NamesOfTable(const fs::path& file) {
+  const CsvTable table(file);
+  volume::ValueNames names;
+  if (!table.Has("index") || !table.Has("name")) return names;
+  const std::vector<double> values = table.Numbers("index");
+  const std::vector<std::string> texts = table.Texts("name");
+  for (std::size_t row = 0; row < values.size(); ++row) {
+    ACUS_REQUIRE(values[row] == std::round(values[row]) && std::abs(values[row]) < 2e9,
+                 table.Where(row), ": index is ", values[row], "; a whole number is needed");
+    AddName(static_cast<std::int32_t>(values[row]), texts[row], file, names);
+  }
+  return names;
+}
+
+/// Names in the table of a map, or of all maps in its folder (BIDS: "..._dseg.nii.gz").
+NamesBeside FindNamesInTable(const fs::path& label_map) {
+  const std::string stem = volume::VolumeStem(label_map);
+  std::vector<fs::path> candidates = {label_map.parent_path() / (stem + ".tsv")};
+  if (stem.ends_with("dseg")) candidates.push_back(label_map.parent_path() / "dseg.tsv");
+  for (const fs::path& candidate : candidates) {
+    std::error_code error;
+    if (!fs::is_regular_file(candidate, error)) continue;
+    volume::ValueNames names = NamesOfTable(candidate);
+    if (!names.empty()) return {std::move(names), candidate.lexically_normal()};
+  }
+  return {};
+}
+
 }  // namespace
 
 NamesBeside FindNamesBeside(const fs::path& label_map) {
+  if (NamesBeside found = FindNamesInTable(label_map); !found.names.empty()) return found;
   const fs::path folder = label_map.parent_path();
   std::vector<fs::path> candidates = {folder / (volume::VolumeStem(label_map) + ".json")};
   for (const fs::path& place : {folder, folder / ".."}) {

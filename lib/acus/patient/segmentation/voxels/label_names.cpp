@@ -29,22 +29,32 @@ struct NameKey {
   Side side = Side::kNone;
 };
 
-NameKey KeyOf(std::string_view name) {
-  NameKey key;
+/// Words in lower case. @param by_capitals  "LeftKidney" is two words.
+std::vector<std::string> WordsOf(std::string_view name, bool by_capitals) {
   std::vector<std::string> words(1);
+  bool was_lower = false;
   for (const char c : name) {
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
-      words.back() += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    } else if (!words.back().empty()) {
-      words.emplace_back();
-    }
+    const auto letter = static_cast<unsigned char>(c);
+    const bool begins = by_capitals && was_lower && std::isupper(letter) != 0;
+    if (!words.back().empty() && (begins || std::isalnum(letter) == 0)) words.emplace_back();
+    if (std::isalnum(letter) != 0) words.back() += static_cast<char>(std::tolower(letter));
+    was_lower = std::islower(letter) != 0;
   }
+  return words;
+}
+
+/// @param is_short  Words are divided at capitals, and a side may be short, as in names of
+///     radiotherapy (AAPM TG-263): "Kidney_L", "Lt Kidney", "SpinalCanal".
+NameKey KeyOf(std::string_view name, bool is_short = false) {
+  NameKey key;
   std::vector<std::string> kept;
-  for (const std::string& word : words) {
-    if (word == "left") key.side = Side::kLeft;
-    if (word == "right") key.side = Side::kRight;
+  for (const std::string& word : WordsOf(name, is_short)) {
+    const bool is_left = word == "left" || (is_short && (word == "l" || word == "lt"));
+    const bool is_right = word == "right" || (is_short && (word == "r" || word == "rt"));
+    if (is_left) key.side = Side::kLeft;
+    if (is_right) key.side = Side::kRight;
     const bool is_filler = word.empty() || word == "of" || word == "the" || word == "and" ||
-                           word == "in" || word == "left" || word == "right";
+                           word == "in" || is_left || is_right;
     if (!is_filler) kept.push_back(WithoutPlural(word));
   }
   std::ranges::sort(kept);
@@ -120,7 +130,13 @@ std::optional<NamedStructure> LabelNames::Find(const volume::ValueName& name) co
       return with_side(found->second);
     }
   }
-  return std::nullopt;
+  const NameKey shorter = KeyOf(name.text, /*is_short=*/true);
+  const auto found = by_key_.find(shorter.text);
+  if (found == by_key_.end()) return std::nullopt;
+  const Structure& structure = structures_[found->second];
+  // A single letter is a side only of what has two.
+  if (shorter.side != key.side && !structure.is_paired) return std::nullopt;
+  return NamedStructure{structure, structure.is_paired ? shorter.side : Side::kNone};
 }
 
 std::optional<std::string> LabelNames::Nearest(const std::string& name) const {

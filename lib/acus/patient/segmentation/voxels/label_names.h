@@ -44,7 +44,8 @@ class LabelNames {
   ///     a tissue that is not a standard label.
   explicit LabelNames(const std::filesystem::path& path);
 
-  /// By the text, otherwise by the first code that is in the table; nothing if neither is.
+  /// By the text, otherwise by the first code that is in the table, otherwise by the text with
+  /// words divided at capitals and short sides ("Kidney_L"); nothing if none is.
   std::optional<NamedStructure> Find(const volume::ValueName& name) const;
 
   /// The name in the table that is nearest to one that is not in it, if it is near.

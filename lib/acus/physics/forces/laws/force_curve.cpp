@@ -138,6 +138,18 @@ void RequireForceOfNeedle(const std::filesystem::path& path, const ForceCurve& c
                "it by a mapping (--columns); --as-it-is takes it as N");
 }
 
+/// No insertion takes a quarter of an hour at a sample each second: the time is in ms.
+void RequireSeconds(const std::filesystem::path& path, const ForceCurve& curve, bool as_it_is) {
+  constexpr double kLongestS = 900.0;
+  constexpr double kLongestStepS = 0.9;
+  const double duration_s = curve.time_s.back() - curve.time_s.front();
+  const double step_s = duration_s / static_cast<double>(curve.size() - 1);
+  ACUS_REQUIRE(as_it_is || duration_s < kLongestS || step_s < kLongestStepS, path.string(),
+               ": the recording takes ", duration_s, " s, with a sample every ", step_s,
+               " s: its time is probably in ms. Name the column with its unit (time_ms), or read "
+               "it by a mapping (--columns); --as-it-is takes it as s");
+}
+
 ForceCurve ReadFolder(const std::filesystem::path& folder) {
   const auto read = [&](const char* file, const WantedColumn& column) {
     Signals signals =
@@ -201,6 +213,7 @@ ForceCurve ReadForceCurve(const std::filesystem::path& path, const ForceColumns&
   if (std::filesystem::is_directory(path)) {
     ForceCurve curve = ReadFolder(path);
     RequireForceOfNeedle(path, curve, as_it_is);
+    RequireSeconds(path, curve, as_it_is);
     return curve;
   }
   CsvTable table(path);
@@ -226,6 +239,7 @@ ForceCurve ReadForceCurve(const std::filesystem::path& path, const ForceColumns&
   for (double& force_n : curve.force_n) force_n *= columns.force.sign;
   RequireMillimetres(path, curve);
   RequireForceOfNeedle(path, curve, as_it_is);
+  RequireSeconds(path, curve, as_it_is);
   return curve;
 }
 
