@@ -24,7 +24,8 @@ HTML
 
 heading() { echo "<h2>$1</h2>" >>page.html; }
 # fact KEY VALUE: what was measured or set, for the sentences of NAME.toml.
-fact() { printf '%s,"%s"\n' "$1" "$2" >>facts.csv; }
+facts_file=facts.csv
+fact() { printf '%s,"%s"\n' "$1" "$2" >>"$facts_file"; }
 rows() { /usr/bin/python3 -B "$root/pipelines/paper_pages/rows.py" "$root/pipelines/paper_pages/$paper.toml" facts.csv "$@"; }
 # table NAME: its rows, filled with the facts.
 table() { rows "$1" --csv numbers.csv >>page.html || fail "$paper: no table '$1'; see the message above" 4; }
@@ -88,12 +89,12 @@ withdrawn_before_turning() {
   grep -q '"bone_press_mm"' "$1" || fail "$1 is no patient with a lumbar puncture"
 }
 
-# resized KIND VOXELS FILE: the preset of a patient on as many voxels along each axis.
+# resized KIND "X Y Z" FILE: the preset of a patient on so many voxels along each axis.
 resized() {
-  awk -v n="$2" '/"grid":/ {
+  awk -v voxels="$2" 'BEGIN { split(voxels, n, " ") } /"grid":/ {
       split($0, part, /"spacing_mm": \[|\], "size": \[|\]\}/); split(part[2], s, ", "); split(part[3], m, ", ")
-      printf "%s\"spacing_mm\": [%.6f, %.6f, %.6f], \"size\": [%d, %d, %d]},\n", part[1], s[1] * m[1] / n, s[2] * m[2] / n,
-             s[3] * m[3] / n, n, n, n
+      printf "%s\"spacing_mm\": [%.6f, %.6f, %.6f], \"size\": [%d, %d, %d]},\n", part[1], s[1] * m[1] / n[1], s[2] * m[2] / n[2],
+             s[3] * m[3] / n[3], n[1], n[2], n[3]
       next
     } { print }' "$root/configs/phantoms/$1.json" >"$3"
 }

@@ -25,32 +25,43 @@ figure_10
 figure_11
 
 say "volume rendering"
-seconds=2 sizes=(64 128) voxels=256
+seconds=2 sizes=(64 128 256) voxels=256
 [[ -z $quick ]] || seconds=1 sizes=(32) voxels=96
-resized liver_ptc $voxels small.json
+resized liver_ptc "$voxels $voxels $voxels" small.json
 patient liver_ptc small --config small.json
 shortened small/sessions/liver_ptc short $seconds
 layer=skin width_px=1224 height_px=1014
-view=(--ct small/ct.nrrd --set /effects/view_3d/width_px=$width_px --set /effects/view_3d/height_px=$height_px
+view=(--set "/effects/view_3d/width_px=$width_px" --set "/effects/view_3d/height_px=$height_px"
   --set /effects/view_3d/supersampling=1 --set "/effects/view_3d/layers=[{\"preset\":\"$layer\"}]" --set '/effects/view_3d/surfaces=[]'
   --set /effects/view_3d/rate_hz=1 --set /effects/ultrasound=null --set /effects/ct_slice=null --set /effects/fluoroscopy=null)
-# volume_facts KEY RUN
-volume_facts() {
-  fact "$1_ms" "$(stage_ms "$2" "view in 3D")"
-  fact "$1_mb" "$(cat "$2.mb")"
-  fact "$1_images" "$(runs_of "$2" "view in 3D")"
+# volume KEY PATIENT [acus-replay argument...]: time and memory of the view.
+volume() {
+  local key=$1 name=$2
+  shift 2
+  replay "view_$key" "$name" short --ct "$name/ct.nrrd" "${view[@]}" "$@"
+  fact "${key}_ms" "$(stage_ms "view_$key" "view in 3D")"
+  fact "${key}_mb" "$(cat "view_$key.mb")"
+  fact "${key}_images" "$(runs_of "view_$key" "view in 3D")"
 }
-replay view_none small short --set /effects/breathing=null "${view[@]}"
-volume_facts none view_none
-for size in "${sizes[@]}"; do
-  for model in surrogate full_cycle; do
-    synthetic_motion $model "$size" "motion_${model}_$size"
-    replay view_${model}_"$size" small short "${view[@]}" --set "/effects/breathing/motion=$PWD/motion_${model}_$size"
-    key=$model
-    [[ $model != full_cycle ]] || key=key_frame
-    volume_facts "${key}_$size" "view_${model}_$size"
+# table_2 PATIENT [SUFFIX]: all its motions.
+table_2() {
+  local size
+  volume "none${2:-}" "$1" --set /effects/breathing=null
+  for size in "${sizes[@]}"; do
+    volume "surrogate_$size${2:-}" "$1" --set "/effects/breathing/motion=$PWD/motion_surrogate_$size"
+    volume "key_frame_$size${2:-}" "$1" --set "/effects/breathing/motion=$PWD/motion_full_cycle_$size"
   done
+}
+for size in "${sizes[@]}"; do
+  for model in surrogate full_cycle; do synthetic_motion $model "$size" "motion_${model}_$size"; done
 done
+table_2 small
+large_voxels=(512 512 460)
+if [[ -z $quick ]]; then
+  resized liver_ptc "${large_voxels[*]}" large.json
+  patient liver_ptc large --config large.json
+  table_2 large _large
+fi
 say "all images, breathing"
 images_s=8
 [[ -z $quick ]] || images_s=1
@@ -73,6 +84,7 @@ fact deep_mm $deep_mm
 for nodes in 15 25 50; do fact step_${nodes}_us "$(step_us run_$nodes)"; done
 fact algorithm "algorithm 1"
 fact voxels $((voxels ** 3))
+fact large_voxels $((large_voxels[0] * large_voxels[1] * large_voxels[2]))
 fact width_px $width_px
 fact height_px $height_px
 fact layer $layer

@@ -107,9 +107,24 @@ class Scope(dict):
         return FUNCTIONS[name] if name in FUNCTIONS else self.facts[name]
 
 
+def each(row):
+    """A row with `each`, a list of tables of words, is one for each of them: <word> stands for its text."""
+    def put(value, words):
+        if isinstance(value, str):
+            return re.sub(r"<(\w+)>", lambda match: words[match[1]], value)
+        if isinstance(value, list):
+            return [put(item, words) for item in value]
+        return {key: put(item, words) for key, item in value.items()}
+    rest = {key: value for key, value in row.items() if key != "each"}
+    return [put(rest, words) for words in row["each"]] if "each" in row else [row]
+
+
 def read_template(path):
     with open(path, "rb") as file:
-        return tomllib.load(file)
+        template = tomllib.load(file)
+    for name, table_rows in template.get("table", {}).items():
+        template["table"][name] = [one for row in table_rows for one in each(row)]
+    return template
 
 
 def filled_row(row, facts):

@@ -12,13 +12,6 @@ replay run patient short --ct patient/ct.nrrd --set /effects/probe_force/press_m
 say "the whole session, forces only"
 replay run_forces patient $session --ct patient/ct.nrrd "${no_images[@]}" --set /effects/probe_force/press_mm=$press_mm
 
-say "the same with the mean of eq. 3 as printed"
-sed 's/"vidal": {/"vidal": {"passive_average": false,/' "$root/configs/forces/vidal.json" >mean_as_printed.json
-replay run_printed patient $session --ct patient/ct.nrrd "${no_images[@]}" --set /effects/probe_force=null \
-  --set "/effects/needle_force/table=$PWD/mean_as_printed.json"
-fact printed_mean_n "$(number run_printed "largest axial force")"
-fact printed_mean_rms_n "$(number run_printed "RMS axial force while inserted")"
-
 # shellcheck source=/dev/null
 source "$root/pipelines/paper_pages/vidal_2008_strokes.sh"
 repetitions=10

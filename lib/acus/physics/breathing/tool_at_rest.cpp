@@ -9,10 +9,19 @@ constexpr int kMostIterations = 4;
 constexpr int kFirstIterations = 30;
 constexpr double kToleranceMm = 0.002;
 
+/// Line 7 of algorithm 1 as printed.
+math::InversePoint Added(const MotionMap& map, const Eigen::Vector3d& world_mm,
+                         const Eigen::Vector3d& before_mm) noexcept {
+  math::InversePoint point;
+  point.rest_mm = world_mm + map.DisplacementMm(before_mm);
+  point.residual_mm = (map.WorldMm(point.rest_mm) - world_mm).norm();
+  return point;
+}
+
 }  // namespace
 
 ToolAtRest AtRest(const MotionMap& map, const Eigen::Isometry3d& ct_from_tool,
-                  const Eigen::Vector3d& axis, ToolTrack& track) noexcept {
+                  const Eigen::Vector3d& axis, ToolTrack& track, bool adds_motion) noexcept {
   ToolAtRest out{.ct_from_tool = ct_from_tool};
   const Eigen::Vector3d world_mm = ct_from_tool.translation();
   if (!map.moves() || !ct_from_tool.matrix().allFinite()) {
@@ -23,9 +32,11 @@ ToolAtRest AtRest(const MotionMap& map, const Eigen::Isometry3d& ct_from_tool,
   const Eigen::Vector3d start_mm =
       track.started ? Eigen::Vector3d(track.rest_mm + world_mm - track.world_mm) : world_mm;
   const math::InversePoint found =
-      map.RestOf(world_mm, start_mm,
-                 {.max_iterations = track.started ? kMostIterations : kFirstIterations,
-                  .tolerance_mm = kToleranceMm});
+      adds_motion
+          ? Added(map, world_mm, track.started ? track.rest_mm : world_mm)
+          : map.RestOf(world_mm, start_mm,
+                       {.max_iterations = track.started ? kMostIterations : kFirstIterations,
+                        .tolerance_mm = kToleranceMm});
   track = {true, world_mm, found.rest_mm, Eigen::Quaterniond::Identity()};
   out.residual_mm = found.residual_mm;
   out.ct_from_tool.translation() = found.rest_mm;

@@ -40,8 +40,11 @@ struct ToolAtRest {
 /// One iteration a step in normal breathing; up to four where that leaves more than 2 um, as
 /// after a jump. Bounded and finite for any pose that is finite; a pose that is not comes back as
 /// it is. Allocates nothing.
+/// @param adds_motion  Line 7 of algorithm 1 as printed: X = x + u(X) with the X of the step
+/// before,
+///     which doubles the motion; the residual says by how much the tool is off.
 ToolAtRest AtRest(const MotionMap& map, const Eigen::Isometry3d& ct_from_tool,
-                  const Eigen::Vector3d& axis, ToolTrack& track) noexcept;
+                  const Eigen::Vector3d& axis, ToolTrack& track, bool adds_motion = false) noexcept;
 
 /// From what acts on the tool at rest to what the hand feels: the force and torque that do the same
 /// work. With v the velocity of the tool's origin and w its angular velocity, in held breath, the

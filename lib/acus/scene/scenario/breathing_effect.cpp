@@ -29,6 +29,7 @@ BreathingEffect ReadBreathingEffect(const nlohmann::json& settings,
   for (const nlohmann::json& hold : settings.at("hold")) {
     effect.holds.push_back({hold.at(0), hold.at(1)});
   }
+  effect.adds_motion = settings.at("tools") == "printed";
   effect.image = settings.at("image");
   effect.warp_spacing_mm = settings.at("warp_spacing_mm");
   effect.inverse_iterations = settings.at("inverse_iterations");

@@ -27,7 +27,8 @@ struct BreathingEffect {
   /// With the session's breath, the signal or pattern only serves live sessions without a belt.
   SessionBreath from_session = SessionBreath::kIfRecorded;
 
-  bool image = true;  ///< The images show the motion.
+  bool adds_motion = false;  ///< Tools at rest by x + u, as printed, in place of the inverse.
+  bool image = true;         ///< The images show the motion.
   double warp_spacing_mm = 0.0;
   int inverse_iterations = 0;  ///< For the images.
 };

@@ -22,6 +22,7 @@ NeedleEffect ReadNeedleEffect(const nlohmann::json& settings, const std::filesys
   effect.hand_n_per_mm = settings.at("hand").at("stiffness_n_per_mm");
   effect.hand_n_mm_per_rad = settings.at("hand").at("stiffness_n_mm_per_rad");
   effect.kappa_n_per_mm = settings.at("hand").at("kappa_n_per_mm");
+  effect.hand_has_potential = settings.at("hand").at("form") != "printed";
   effect.bevel = settings.at("bevel");
   return effect;
 }

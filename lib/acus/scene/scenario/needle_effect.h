@@ -20,7 +20,8 @@ struct NeedleEffect {
   double hand_n_per_mm = 0.5;
   double hand_n_mm_per_rad = 500.0;
   double kappa_n_per_mm = 0.5;
-  bool bevel = true;  ///< The needle's bevel steers.
+  bool hand_has_potential = true;  ///< False: the springs of the hand as printed.
+  bool bevel = true;               ///< The needle's bevel steers.
 };
 
 /// @param settings  /effects/needle, checked against the schema.

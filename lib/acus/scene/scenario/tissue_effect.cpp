@@ -3,6 +3,7 @@
 #include <map>
 
 #include "acus/base/config/json_file.h"
+#include "acus/base/core/error.h"
 
 namespace acus::scenario {
 
@@ -31,6 +32,11 @@ TissueEffect ReadTissueEffect(const nlohmann::json& settings, const std::filesys
   effect.plane_spacing_mm = plane.at("spacing_mm");
   effect.plane_width_mm = plane.at("width_mm");
   effect.plane_turned = plane.at("turned_planes");
+  effect.plane_full_update = plane.at("update") == "full";
+  ACUS_REQUIRE(effect.model != TissueModelKind::kPlane2010 || !effect.plane_full_update ||
+                   effect.plane_turned == 0,
+               "/effects/tissue/fe_2d/update: \"full\" with turned_planes ", effect.plane_turned,
+               "; a plane that turns has the restricted update: set turned_planes to 0");
   effect.plane_beyond_mm = plane.at("beyond_mm");
   effect.plane_thickness_mm = plane.at("thickness_mm");
   effect.element = settings.at("fe_3d").at("element");

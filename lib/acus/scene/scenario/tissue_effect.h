@@ -25,6 +25,7 @@ struct TissueEffect {
   double plane_spacing_mm = 0.0;     ///< This and the other members of the plane: fe_2d.
   double plane_width_mm = 0.0;
   int plane_turned = 0;
+  bool plane_full_update = false;  ///< All of the inverse changes with each node.
   double plane_beyond_mm = 0.0;
   double plane_thickness_mm = 0.0;
   std::string element;              ///< fe_3d: the element with which acus-mesh condensed the mesh.

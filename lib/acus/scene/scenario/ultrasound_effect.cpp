@@ -39,6 +39,8 @@ UltrasoundEffect ReadUltrasoundEffect(const nlohmann::json& effect,
   out.acoustics = config::FindConfig(settings.at("acoustics").get<std::string>(), folder);
   out.from_triangles = out.model == UltrasoundModel::kAlamilla2021 &&
                        settings.at("labels_from").get<std::string>() == "triangles";
+  out.displaces_pixels = out.model == UltrasoundModel::kAlamilla2021 &&
+                         settings.at("deformation").get<std::string>() == "pixels";
   if (out.InBeamSpace()) {
     out.beams = settings;
     out.volume = kVolumes.at(settings.at("volume").get<std::string>());

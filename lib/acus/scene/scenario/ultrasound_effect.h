@@ -21,6 +21,7 @@ struct UltrasoundEffect {
   int samples_per_line = 0;                 ///< 0: as the probe preset says.
   std::uint64_t seed = 0;                   ///< Seed of speckle and noise.
   BeamVolume volume = BeamVolume::kLabels;  ///< For models in beam space.
+  bool displaces_pixels = false;            ///< alamilla_2021: deformation of the finished image.
   bool from_triangles = false;    ///< alamilla_2021: labels come from the patient's surfaces.
   nlohmann::json beams;           ///< The model's settings, checked against the schema.
   std::filesystem::path display;  ///< The processing by the scanner; empty: none.

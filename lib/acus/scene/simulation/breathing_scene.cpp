@@ -54,6 +54,7 @@ Breathing LoadBreathing(const scenario::Scenario& scenario, bool from_session,
       .image = effect.image,
       .warp_spacing_mm = effect.warp_spacing_mm,
       .inverse_iterations = effect.inverse_iterations,
+      .adds_motion = effect.adds_motion,
       .from_session = from_session};
 }
 

@@ -19,6 +19,7 @@ struct Breathing {
   bool image = true;             ///< The images show the motion.
   double warp_spacing_mm = 5.0;  ///< Distance of the knots at which images sample the map.
   int inverse_iterations = 5;    ///< To find the rest position.
+  bool adds_motion = false;      ///< Tools at rest by x + u, as printed.
   bool from_session = false;     ///< The breath comes from the session; `source` is idle.
 
   /// The breath of `source` relative to a normal one, as sessions hold it.

@@ -26,7 +26,7 @@ needle::BendableNeedleOptions OptionsOf(const scenario::NeedleEffect& effect,
   options.coupling.tip_stiffness_n_per_mm = effect.tip_stiffness_n_per_mm;
   options.hand = {effect.hand_n_per_mm, effect.hand_n_mm_per_rad};
   options.kappa_n_per_mm = effect.kappa_n_per_mm;
-  options.hand_has_potential = true;
+  options.hand_has_potential = effect.hand_has_potential;
   if (effect.bevel) options.bevel = needle.bevel;
   return options;
 }

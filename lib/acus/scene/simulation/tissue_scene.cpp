@@ -123,13 +123,15 @@ tissue::TissueModel Plane(const scenario::Scenario& scenario, const TissueMap& t
   const tissue::PlanePlacement plane = PlaneThrough(scenario.patient.corridor, length_mm);
   context.provenance.AddInput(scenario.patient.corridor);
   context.Checkpoint("inverting the planes", 0.0);
-  return tissue::TissueModel(tissue::PlaneModel2010({.spacing_mm = effect.plane_spacing_mm,
-                                                     .width_mm = effect.plane_width_mm,
-                                                     .depth_mm = length_mm + effect.plane_beyond_mm,
-                                                     .thickness_mm = effect.plane_thickness_mm,
-                                                     .num_turned = effect.plane_turned},
-                                                    plane, parts.table, parts.needle, elasticity,
-                                                    tissues));
+  return tissue::TissueModel(
+      tissue::PlaneModel2010({.spacing_mm = effect.plane_spacing_mm,
+                              .width_mm = effect.plane_width_mm,
+                              .depth_mm = length_mm + effect.plane_beyond_mm,
+                              .thickness_mm = effect.plane_thickness_mm,
+                              .update = effect.plane_full_update ? tissue::PlaneUpdate::kFull
+                                                                 : tissue::PlaneUpdate::kRestricted,
+                              .num_turned = effect.plane_turned},
+                             plane, parts.table, parts.needle, elasticity, tissues));
 }
 
 /// Where tissue may stiffen: around the needle's path, from outside the skin.

@@ -43,11 +43,11 @@ void ToolMotion::LayInBreath(State& state, const Sample& sample,
   tools.tissue_moves = patient.moves();
   if (has_needle_ && state.needle_seen) {
     tools.needle = breathing::AtRest(patient, tools.needle.ct_from_tool, Eigen::Vector3d::UnitZ(),
-                                     state.needle_track);
+                                     state.needle_track, scene_.breathing->adds_motion);
   }
   if (sample.probe_valid && has_probe_) {
     tools.probe = breathing::AtRest(patient, tools.probe.ct_from_tool, Eigen::Vector3d::UnitY(),
-                                    state.probe_track);
+                                    state.probe_track, scene_.breathing->adds_motion);
   }
 }
 

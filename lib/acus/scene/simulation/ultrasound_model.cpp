@@ -69,8 +69,11 @@ ImageSettings ReadImageSettings(const scenario::UltrasoundEffect& effect,
   switch (effect.model) {
     case scenario::UltrasoundModel::kVidal2008:
       return HeldFor(probe, Seeded(ultrasound::ReadVidalOptions(effect.acoustics), effect.seed));
-    case scenario::UltrasoundModel::kAlamilla2021:
-      return HeldFor(probe, Seeded(ultrasound::ReadAlamillaOptions(effect.acoustics), effect.seed));
+    case scenario::UltrasoundModel::kAlamilla2021: {
+      auto options = ultrasound::ReadAlamillaOptions(effect.acoustics);
+      options.displaces_pixels = effect.displaces_pixels;
+      return HeldFor(probe, Seeded(std::move(options), effect.seed));
+    }
     case scenario::UltrasoundModel::kBeams:
       return ReadBeamSettings(effect, labels);
     case scenario::UltrasoundModel::kAperture:

@@ -88,6 +88,50 @@ TEST(Alamilla, EachTissueHasItsGreyAndLosesItByAbsorption) {
   EXPECT_NEAR(image.At(64, 100), 255 * 0.5 * std::exp(-0.2 * 2.6 - 0.5 * 2.4), 0.8);  // 50 mm
 }
 
+/// All tissue has moved by this since the CT.
+struct MovedBy : slicing::RestMap {
+  explicit MovedBy(const Eigen::Vector3d& moved) : moved_mm(moved) {}
+  Eigen::Vector3d RestInCtMm(const Eigen::Vector3d& place_in_ct_mm,
+                             const Eigen::Vector3d&) const noexcept override {
+    return place_in_ct_mm - moved_mm;
+  }
+  double SpacingMm() const noexcept override { return 2.0; }
+  Eigen::Vector3d moved_mm;
+};
+
+// Section V.B: the displacement is applied to the pixels of the finished image. Absorption is then
+// that of the depth at rest; in a displaced scene it is that of the depth now.
+TEST(Alamilla, AsPrintedThePixelsOfTheFinishedImageAreDisplaced) {
+  const auto labels = Scene(TwoLayers);
+  AlamillaOptions options = Flat();
+  options.absorption = true;
+  options.tissues[0].absorption_per_cm = 0.2;
+  options.tissues[1].absorption_per_cm = 0.5;
+  const image::GrayImage at_rest = Image(labels, options);
+  const MovedBy deeper(Eigen::Vector3d(0.0, 5.0, 0.0));  // 10 pixels.
+  const image::NeedleInImage needle{.tip_in_ct_mm = {48, 40, 10},
+                                    .axis_in_ct = Eigen::Vector3d::UnitX(),
+                                    .length_mm = 60,
+                                    .radius_mm = 0.6};
+  const auto moved = [&](bool pixels, const std::optional<image::NeedleInImage>& tool) {
+    options.displaces_pixels = pixels;
+    image::GrayImage image;
+    AlamillaRenderer(labels, TestProbe(), options).Render(Pose(), tool, image, 1, &deeper);
+    return image;
+  };
+  const image::GrayImage pixels = moved(true, std::nullopt);
+  for (int row = 11; row < 128; ++row) ASSERT_EQ(pixels.At(64, row), at_rest.At(64, row - 10));
+  EXPECT_EQ(pixels.At(64, 5), 0);  // Its rest is above the image.
+  const image::GrayImage scene = moved(false, std::nullopt);
+  EXPECT_NEAR(scene.At(64, 40), 255 * 0.3 * std::exp(-0.2 * 1.9), 0.8);  // Air in its first 1 mm.
+  EXPECT_NEAR(pixels.At(64, 40), 255 * 0.3 * std::exp(-0.2 * 1.5), 0.6);
+  // The needle lies where it is: along row 72, to column 64.
+  const image::GrayImage with_needle = moved(true, needle);
+  EXPECT_GT(with_needle.At(60, 72), pixels.At(60, 72) + 40);
+  EXPECT_EQ(with_needle.At(60, 62), pixels.At(60, 62));
+  EXPECT_EQ(with_needle.At(68, 72), pixels.At(68, 72));
+}
+
 TEST(Alamilla, GainBrightensByItsShareOfTheDynamicRange) {
   const volume::LabelMap labels = Scene(TwoLayers);
   AlamillaOptions options = Flat();

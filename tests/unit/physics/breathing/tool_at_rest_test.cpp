@@ -50,6 +50,30 @@ TEST(ToolAtRest, TurnsItsAxisAndForcesAsTheTissueIsTurned) {
   EXPECT_GT((rest_axis - axis).norm(), 1e-3);
 }
 
+// Line 7 of algorithm 1: X+ = x + u(X). The tissue that is at x was at x - u, so the tool is 2 u
+// off.
+TEST(ToolAtRest, AsPrintedItAddsTheMotion) {
+  const MotionModel model = Box();
+  const MotionMap map(model.field(), model.WeightsAt(RegularBreath(0.5)));
+  ToolTrack track;
+  const Eigen::Isometry3d pose = Pose({20, 0, 50});
+  const auto place_mm = [&] {
+    return Eigen::Vector3d(
+        AtRest(map, pose, Eigen::Vector3d::UnitZ(), track, true).ct_from_tool.translation());
+  };
+  const Eigen::Vector3d x_mm = pose.translation();
+  const Eigen::Vector3d first_mm = place_mm();
+  EXPECT_EQ(first_mm, x_mm + map.DisplacementMm(x_mm));
+  EXPECT_EQ(place_mm(), x_mm + map.DisplacementMm(first_mm));
+  for (int n = 0; n < 30; ++n) place_mm();
+  ToolTrack inverse;
+  const Eigen::Vector3d rest_mm =
+      AtRest(map, pose, Eigen::Vector3d::UnitZ(), inverse).ct_from_tool.translation();
+  const double moved_mm = map.DisplacementMm(rest_mm).norm();
+  ASSERT_GT(moved_mm, 3.0);
+  EXPECT_NEAR((place_mm() - rest_mm).norm(), 2.0 * moved_mm, 0.3 * moved_mm);
+}
+
 TEST(ToolAtRest, IsThePoseItselfBitForBitWhereNothingMoves) {
   const MotionModel model = Box();
   const MotionMap map(model.field(), model.WeightsAt(RegularBreath(0.3), 0.0));

@@ -90,6 +90,22 @@ TEST_F(AlamillaTest, EachLayerHoldsTheNeedleDuringWithdrawalByItsOwnForce) {
   EXPECT_NEAR(driven.last.cutting_n, -1.0, 1e-9);  // Skin.
 }
 
+// K_t of eq. 3 is that of the tissue where its row has one.
+TEST_F(AlamillaTest, EachTissueMayHaveItsOwnStiffness) {
+  ForceTable own_table = table;
+  own_table.tissue[volume::LabelOf("muscle")].cutting_stiffness_n_per_mm = 1.0;
+  const AlamillaModel own(own_table, Trocar18G());
+  LayeredBodyField muscle({{0.0, "skin", 20}, {12.0, "muscle", 55}});
+  DrivenAlamilla drive{own, muscle};
+  double t = 0.0;
+  double z = -1.0;
+  for (; z < 30.0; z += 0.008) drive.Step(t += 0.001, {0, 0, z});
+  EXPECT_NEAR(drive.last.cutting_n, 2.0, 1e-9);
+  for (; z > 29.0; z -= 0.008) drive.Step(t += 0.001, {0, 0, z});
+  EXPECT_NEAR(drive.last.cutting_n, 2.0 - 1.0 * (drive.state.channel_mm - drive.last.depth_mm),
+              0.02);
+}
+
 // Eq. 6: F_n (g(v) + sigma2 v) with F_n the tissue's cutting force.
 TEST_F(AlamillaTest, FrictionIsLuGreTimesTheCuttingForce) {
   for (const double speed : {4.0, 8.0, 40.0}) {
@@ -164,6 +180,26 @@ TEST_F(AlamillaTest, KnocksOnBoneAndIsHeldByTableTwosForce) {
   MoveTo(70.0);
   EXPECT_NEAR(driven.last.bone_n, 4.0, 1e-9);
   EXPECT_NEAR(driven.last.depth_mm, 60.0, 0.05);
+}
+
+// Eq. 1 as printed: (soft) the sum, (hard) hardContact alone.
+TEST_F(AlamillaTest, AsPrintedOnlyBoneActsOnBone) {
+  ForceTable printed_table = table;
+  printed_table.alamilla.only_bone_on_bone = true;
+  const AlamillaModel printed(printed_table, Trocar18G());
+  DrivenAlamilla drive{printed, body};
+  double t = 0.0;
+  double z = -1.0;
+  for (; z < 59.5; z += 0.008) drive.Step(t += 0.001, {0, 0, z});
+  EXPECT_NEAR(drive.last.cutting_n, 2.5, 1e-9);
+  for (; z < 61.0; z += 0.008) drive.Step(t += 0.001, {0, 0, z});
+  EXPECT_GT(drive.last.bone_n, 1.0);
+  EXPECT_EQ(drive.last.force_in_ct_n, Eigen::Vector3d(0, 0, -drive.last.bone_n));
+  for (; z > 58.0; z -= 0.008) drive.Step(t += 0.001, {0, 0, z});
+  EXPECT_EQ(drive.last.bone_n, 0.0);
+  EXPECT_NE(drive.last.AxialN(), 0.0);
+  MoveTo(61.0);
+  EXPECT_GT(driven.last.AxialN(), driven.last.bone_n + 1.0);  // The default keeps cutting.
 }
 
 TEST_F(AlamillaTest, EventsComeInTheOrderOfTheLayers) {

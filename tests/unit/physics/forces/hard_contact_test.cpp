@@ -24,6 +24,27 @@ TEST(HardContact, IsThePublishedSinusoid) {
   }
 }
 
+// Without the account it is eq. 12 whichever way the device moves.
+TEST(HardContact, AsPrintedItTakesNoHeedOfTheMotion) {
+  HardContactSettings printed = kPaper;
+  printed.without_account = true;
+  HardContact knock;
+  HardContact held;
+  knock.Strike(printed, 80.0);
+  held.Strike(kPaper, 80.0);
+  double held_back_n = 0.0;
+  for (int i = 1; i <= 54; ++i) {
+    const double travel_mm = i % 3 == 0 ? 0.05 : -0.05;
+    const double t = 0.001 * i;
+    const double expected_n = 0.0199 * 80.0 * std::exp(std::log(0.01) * t / 0.055) *
+                              std::sin(2.0 * std::numbers::pi * 55.0 * t);
+    EXPECT_NEAR(knock.Advance(printed, travel_mm, 0.001, 5.0, 100.0), expected_n, 1e-12) << t;
+    held_back_n = std::max(
+        held_back_n, std::abs(held.Advance(kPaper, travel_mm, 0.001, 5.0, 100.0) - expected_n));
+  }
+  EXPECT_GT(held_back_n, 0.5);
+}
+
 TEST(HardContact, EndsAfterItsDuration) {
   HardContact knock;
   knock.Strike(kPaper, 80.0);

@@ -140,17 +140,19 @@ TEST_F(VidalTest, InterfacesResistMore) {
   EXPECT_EQ(Count(NeedleEvent::kInterface) - before, 1);
 }
 
-// Eq. 3 as printed: the mean of the last m sub-forces.
+// Eq. 3 as printed: the sum from t - m to t, which are m + 1 sub-forces, over m.
 TEST_F(VidalTest, ThePrintedMeanIsThatOfTheLastSteps) {
   table.vidal.passive_average = false;
   table.vidal.averaging_s = 0.010;
   Make();
   MoveTo(30.0);
   const double steady_n = ResistanceAt(50.0) * 8.0;
-  EXPECT_NEAR(driven->last.cutting_n, steady_n, 1e-9);
+  EXPECT_NEAR(driven->last.cutting_n, 1.1 * steady_n, 1e-9);
   for (int i = 1; i <= 4; ++i) StepHere();  // Standing still.
-  EXPECT_NEAR(driven->last.cutting_n, 0.6 * steady_n, 1e-9);
+  EXPECT_NEAR(driven->last.cutting_n, 0.7 * steady_n, 1e-9);
   for (int i = 1; i <= 6; ++i) StepHere();
+  EXPECT_NEAR(driven->last.cutting_n, 0.1 * steady_n, 1e-9);
+  StepHere();
   EXPECT_NEAR(driven->last.cutting_n, 0.0, 1e-9);
 }
 

@@ -79,6 +79,44 @@ TEST_F(ProbeTest, BoneOnTheLineRaisesTheStiffness) {
   EXPECT_LT(largest_jump_n, 0.1);  // 2 N/mm times 0.03 mm, and the damping.
 }
 
+// Section 3.3.1 as printed: on bone the proxy is where the line from the skin's proxy to the device
+// enters it; F = (0.4 + 1.6) N/mm times the way to it. The fall from 0.4 * 8 N at contact is
+// smooth.
+TEST_F(ProbeTest, AsPrintedTheProxyIsMovedOntoBone) {
+  ForceTable table = ShippedTable("vidal.json");
+  table.vidal.probe.moves_proxy = true;
+  const VidalProbe printed(table, body);
+  DrivenProbe drive{printed};
+  double t = 0.0;
+  double largest_change_n = 0.0;
+  double before_n = 0.0;
+  const auto press_to = [&](double from_mm, double to_mm) {
+    for (int n = 0; n <= 400; ++n) {
+      drive.Step(t += 0.001, {0, 0, from_mm + (to_mm - from_mm) * std::min(1.0, n / 100.0)});
+      const double force_n = drive.last.force_in_ct_n.norm();
+      largest_change_n = std::max(largest_change_n, std::abs(force_n - before_n));
+      before_n = force_n;
+    }
+  };
+  press_to(-5.0, 7.9);
+  EXPECT_NEAR(before_n, 0.4 * 7.9, 0.01);
+  press_to(7.9, 9.0);
+  EXPECT_TRUE(drive.last.on_bone);
+  EXPECT_NEAR(drive.last.bone_mm, 1.0, 0.01);
+  EXPECT_NEAR(before_n, 2.0 * 1.0, 0.02);  // Two springs: 0.4 * 9 + 1.6 * 1.
+  EXPECT_LT(largest_change_n, 0.3);        // 3.2 N would be the jump.
+  press_to(9.0, 7.0);
+  EXPECT_FALSE(drive.last.on_bone);
+  EXPECT_NEAR(before_n, 0.4 * 7.0, 0.01);
+  // Aside of the rib's top the force stays parallel to that of the skin.
+  for (int n = 0; n <= 400; ++n) drive.Step(t += 0.001, {2.5 * n / 400.0, 0, 7.0});
+  for (int n = 0; n <= 400; ++n) drive.Step(t += 0.001, {2.5, 0, 7.0 + 3.0 * n / 400.0});
+  for (int n = 0; n <= 400; ++n) drive.Step(t += 0.001, {2.5, 0, 10.0});
+  EXPECT_TRUE(drive.last.on_bone);
+  const Vector3d to_skin = drive.state.skin.at_in_ct_mm - Vector3d(2.5, 0, 10.0);
+  EXPECT_LT(drive.last.force_in_ct_n.normalized().cross(to_skin.normalized()).norm(), 1e-3);
+}
+
 // The rib is felt when the probe slides over it, from the side and without a jump.
 TEST_F(ProbeTest, ARibIsFeltWhileSliding) {
   MoveTo({30, 0, 9.0});

@@ -202,6 +202,48 @@ TEST_F(ScenarioFile, ReadsTheTissueEffectWithTheSettingsOfItsModel) {
           .tissue->printed_form);
 }
 
+TEST_F(ScenarioFile, TakesTheFormsAsPrinted) {
+  fs::create_directory(folder_ / "mesh");
+  const auto plane = [this](const char* turned) {
+    return Read(kTissueText,
+                {ParseOverride("/effects/tissue/model=fe_2d"),
+                 ParseOverride("/effects/tissue/fe_2d/update=full"), ParseOverride(turned)});
+  };
+  EXPECT_TRUE(plane("/effects/tissue/fe_2d/turned_planes=0").tissue->plane_full_update);
+  EXPECT_FALSE(Read(kTissueText).tissue->plane_full_update);
+  EXPECT_THAT([&] { plane("/effects/tissue/fe_2d/turned_planes=4"); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("/effects/tissue/fe_2d/update"),
+                                              HasSubstr("set turned_planes to 0"))));
+  const auto needle = [this](const char* form) {
+    return Read(kText, {ParseOverride(R"(/effects/needle={"model": "bendable"})"),
+                        ParseOverride("/effects/needle/elasticity=table.json"),
+                        ParseOverride(std::string("/effects/needle/hand/form=") + form)})
+        .shape->hand_has_potential;
+  };
+  EXPECT_FALSE(needle("printed"));
+  EXPECT_TRUE(needle("potential"));
+  const auto image = [this](const char* model, const char* deformation) {
+    return Read(kText,
+                {ParseOverride(std::string("/effects/ultrasound/model=") + model),
+                 ParseOverride("/effects/ultrasound/alamilla_2021/acoustics=table.json"),
+                 ParseOverride("/effects/ultrasound/vidal_2008/acoustics=table.json"),
+                 ParseOverride(std::string("/effects/ultrasound/alamilla_2021/deformation=") +
+                               deformation)})
+        .ultrasound->displaces_pixels;
+  };
+  EXPECT_TRUE(image("alamilla_2021", "pixels"));
+  EXPECT_FALSE(image("alamilla_2021", "tissue"));
+  EXPECT_FALSE(image("vidal_2008", "pixels"));
+  const auto breath = [this](const std::string& more) {
+    return Read(R"({"format": "acus-scenario/1", "patient": {"ct": "ct.nrrd"}, "effects": {
+      "ct_slice": {}, "breathing": {"motion": "motion")" +
+                more + "}}}")
+        .breathing->adds_motion;
+  };
+  EXPECT_TRUE(breath(R"(, "tools": "printed")"));
+  EXPECT_FALSE(breath(""));
+}
+
 TEST_F(ScenarioFile, FidelityOfImagesHasItsDefaultsAndItsBounds) {
   fs::create_directory(folder_ / "mesh");
   const auto with = [this](const char* change) {

@@ -254,6 +254,28 @@ TEST(NeedleShape, StandingStillNoBitChanges) {
   }
 }
 
+// Eq. 8 of Fortmeier-2016 as printed is felt by the hand only: its kappa bends nothing.
+TEST(NeedleShape, AsPrintedTheSpringAtTheBasePullsTheHandOnly) {
+  const auto last = [](bool potential, double kappa_n_per_mm) {
+    BendingScene bending;
+    bending.tissue = nullptr;
+    bending.effect.hand_has_potential = potential;
+    bending.effect.kappa_n_per_mm = kappa_n_per_mm;
+    const Scene scene = bending.Make();
+    const Simulation simulation(scene);
+    State state = simulation.NewState();
+    StepOutput out;
+    for (int ms = 0; ms < 700; ++ms) out = simulation.Step(state, Wandering(ms));
+    return out;
+  };
+  const StepOutput soft = last(false, 0.2);
+  const StepOutput hard = last(false, 0.4);
+  ASSERT_GT(soft.force.lateral_n, 1e-3);
+  EXPECT_EQ(soft.shape.tip_in_ct_mm, hard.shape.tip_in_ct_mm);
+  EXPECT_NEAR(hard.force.lateral_n, 2.0 * soft.force.lateral_n, 0.02 * hard.force.lateral_n);
+  EXPECT_NE(last(true, 0.2).shape.tip_in_ct_mm, last(true, 0.4).shape.tip_in_ct_mm);
+}
+
 TEST(NeedleShape, TheImagesShowTheBentNeedle) {
   BendingScene bending;
   bending.bevel_curvature_per_mm = 0.01;

@@ -376,8 +376,9 @@ void AlamillaRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
                               const std::optional<image::NeedleInImage>& needle,
                               image::GrayImage& out, int num_threads,
                               const slicing::RestMap* rest) {
+  const bool shifts = rest != nullptr && options_.displaces_pixels;
   slicing::PlaceLines(grid_, index_from_ct_, ct_from_probe, lines_);
-  bend_.Set(grid_, ct_from_probe, index_from_ct_, rest);
+  bend_.Set(grid_, ct_from_probe, index_from_ct_, shifts ? nullptr : rest);
   probe_from_ct_ = ct_from_probe.linear().transpose();
   TurnExamples(ct_from_probe.linear().col(2));
   label_.Resize(grid_.lines(), grid_.samples);
@@ -395,8 +396,10 @@ void AlamillaRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
   };
   ParallelFor((grid_.samples + kRowsPerPiece - 1) / kRowsPerPiece, num_threads, std::ref(rows));
   FillCoupling();
-  if (needle)
-    slicing::PaintNeedle(*needle, ct_from_probe, probe_.slice_thickness_mm, grid_, label_);
+  if (needle) {
+    slicing::PaintNeedle(shifts ? NeedleAtRest(*needle, *rest) : *needle, ct_from_probe,
+                         probe_.slice_thickness_mm, grid_, label_);
+  }
   const auto find = [this](int p) {
     FindSurfaces(p * kLinesPerPiece, std::min(kLinesPerPiece, grid_.lines() - p * kLinesPerPiece));
   };
@@ -414,6 +417,7 @@ void AlamillaRenderer::Render(const Eigen::Isometry3d& ct_from_probe,
                                 slicing::kernels::RoundUp(grey_.lines()), grey);
   };
   conversion_.Show(std::ref(grey_row), out, num_threads);
+  if (shifts) shift_.Apply(conversion_.image(), ct_from_probe, *rest, out);
 }
 
 }  // namespace acus::ultrasound

@@ -18,6 +18,7 @@
 #include "acus/imaging/ultrasound/columns/alamilla_options.h"
 #include "acus/imaging/ultrasound/columns/example_texture.h"
 #include "acus/imaging/ultrasound/columns/fibre_field.h"
+#include "acus/imaging/ultrasound/columns/pixel_shift.h"
 #include "acus/imaging/ultrasound/display/scan_conversion.h"
 #include "acus/imaging/ultrasound/speckle/noise_tile.h"
 
@@ -101,6 +102,7 @@ class AlamillaRenderer {
   std::vector<ExampleRow> examples_;
   slicing::BeamLines lines_;
   slicing::BeamBend bend_;
+  PixelShift shift_;
   slicing::BeamImage label_;  ///< Labels as floats, as PaintNeedle wants.
   slicing::BeamImage noise_;  ///< 0 to 1.
   slicing::BeamImage grey_;

@@ -54,6 +54,9 @@ struct AlamillaOptions {
   double thick_fibre_ratio = 1.0;  ///< Length of a streak over its width.
   double thin_fibre_mm = 0.0;      ///< Length of the blur along thin fibres.
   double coupling_gap_mm = 0.0;
+  /// Deformed tissue displaces the pixels of the finished image, as in the paper; false: the scene,
+  /// so that echoes and shadows are those of the displaced tissue. Not of the file: of who calls.
+  bool displaces_pixels = false;
   /// Gain of the probe for which the table of greys holds, dB; nothing: the probe's, whatever it
   /// is.
   std::optional<double> gain_of_table_db;

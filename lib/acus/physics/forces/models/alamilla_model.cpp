@@ -48,8 +48,10 @@ NeedleForce AlamillaModel::InBody(AlamillaState& state, const NeedleMotion& moti
     state.held_by = state.cut_tissue;
   }
   AlongThePath(state, motion, step, out);
+  const bool clamps = !(state.on_bone && table_.alamilla.only_bone_on_bone);
+  if (!clamps) out.puncture_n = out.cutting_n = out.friction_n = 0.0;
   out.force_in_ct_n = -out.AxialN() * state.path.direction_in_ct;
-  if (state.pierced) {
+  if (state.pierced && clamps) {
     const GuidanceForce guided =
         GuideNeedle(guidance_, table_, state.guide, state, motion, step.was_pierced);
     out.lateral_n = guided.force_n.norm();

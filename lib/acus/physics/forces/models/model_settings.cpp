@@ -40,6 +40,7 @@ AlamillaSettings AlamillaFromJson(const json& block) {
   const json& clamping = block.at("clamping");
   const json& knock = block.at("hard_contact");
   AlamillaSettings settings;
+  settings.only_bone_on_bone = block.at("form") == "printed";
   settings.withdrawal_share = block.at("withdrawal_share");
   settings.friction = {.sigma0_per_mm = friction.at("sigma0_per_mm"),
                        .sigma1_s_per_mm = friction.at("sigma1_s_per_mm"),
@@ -58,7 +59,8 @@ AlamillaSettings AlamillaFromJson(const json& block) {
   settings.hard_contact = {
       .amplitude_n_s_per_mm = knock.at("amplitude_n_s_per_m").get<double>() * 1e-3,
       .duration_s = Seconds(knock, "duration_ms"),
-      .frequency_hz = knock.at("frequency_hz")};
+      .frequency_hz = knock.at("frequency_hz"),
+      .without_account = settings.only_bone_on_bone};
   return settings;
 }
 
@@ -96,7 +98,8 @@ VidalSettings VidalFromJson(const json& block, const std::string& where) {
                     .bone_n_per_mm = probe.at("bone_n_per_mm"),
                     .damping_n_s_per_mm = probe.at("damping_n_s_per_mm"),
                     .smoothing_s = Seconds(probe, "smoothing_ms"),
-                    .largest_force_n = probe.at("largest_force_n")};
+                    .largest_force_n = probe.at("largest_force_n"),
+                    .moves_proxy = probe.at("form") == "printed"};
   return settings;
 }
 

@@ -24,6 +24,9 @@ struct AlamillaSettings {
   /// The cutting force by the direct method in place of the tracking wall: not of the table, but of
   /// who calls for the model.
   bool direct_method = false;
+  /// As printed: on bone the knock and the spring of bone act alone (eq. 1), and the knock is the
+  /// whole sinusoid (eq. 12). False: friction, cutting and clamping remain.
+  bool only_bone_on_bone = false;
   double withdrawal_share = 0.0;  ///< Withdrawal force as a share of the tissue's cutting force.
   LuGreParameters friction;
   FixtureSettings clamping;
@@ -59,6 +62,9 @@ struct VidalSettings {
     double damping_n_s_per_mm = 0.0;
     double smoothing_s = 0.0;
     double largest_force_n = 0.0;
+    /// On bone the proxy is moved to where the line from the skin's proxy to the device meets it,
+    /// as printed; false: a second spring from a proxy on bone.
+    bool moves_proxy = false;
   } probe;
 };
 

@@ -17,6 +17,9 @@ namespace acus::forces {
 struct VidalProbeState : SampleGate {
   SurfaceProxy skin;
   SurfaceProxy bone;
+  Eigen::Vector3d moved_n = Eigen::Vector3d::Zero();  ///< Left of the jump of a moved proxy.
+  Eigen::Vector3d spring_n = Eigen::Vector3d::Zero();
+  bool proxy_on_bone = false;
   Eigen::Vector3d place_in_ct_mm = Eigen::Vector3d::Zero();  ///< Of the last valid sample.
   SuddenRise rise;
   ProbeForce last;
@@ -35,6 +38,11 @@ class VidalProbe {
   double largest_force_n() const { return law_.largest_force_n; }
 
  private:
+  Eigen::Vector3d TwoSpringsN(VidalProbeState& state, const Eigen::Vector3d& before,
+                              const Eigen::Vector3d& place, ProbeForce& out) const noexcept;
+  Eigen::Vector3d MovedProxyN(VidalProbeState& state, const Eigen::Vector3d& place, double dt_s,
+                              ProbeForce& out) const noexcept;
+
   ForceSettings settings_;
   VidalSettings::Probe law_;
   const HuField& field_;
