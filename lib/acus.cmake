@@ -212,16 +212,22 @@ endfunction()
 add_custom_target(programs)
 
 # acus_add_program(NAME module...): the program apps/NAME.cpp, built on the given modules and installed.
-# Left out if a library is missing.
+# Left out if a library is missing; an OPTIONAL one without consequences for the tests.
 function(acus_add_program name)
-  acus_missing(missing DEPENDS ${ARGN})
+  cmake_parse_arguments(arg "OPTIONAL" "" "" ${ARGN})
+  set(modules ${arg_UNPARSED_ARGUMENTS})
+  acus_missing(missing DEPENDS ${modules})
   if(missing)
     acus_debian_packages(packages ${missing})
+    if(arg_OPTIONAL)
+      message(NOTICE "Not built: ${name}, which needs ${packages}. All else is complete without it.")
+      return()
+    endif()
     set_property(GLOBAL APPEND PROPERTY ACUS_LEFT_OUT "${name}: ${packages}")
     return()
   endif()
   add_executable(${name} ${CMAKE_CURRENT_SOURCE_DIR}/${name}.cpp)
-  list(TRANSFORM ARGN PREPEND acus:: OUTPUT_VARIABLE modules)
+  list(TRANSFORM modules PREPEND acus::)
   target_link_libraries(${name} PRIVATE acus_flags CLI11::CLI11 ${modules} large_arrays)
   acus_use_precompiled(${name} acus_headers)
   add_dependencies(programs ${name})
@@ -266,6 +272,22 @@ constexpr EmbeddedSchema kSchemas[] = {
 }  // namespace
 std::span<const EmbeddedSchema> EmbeddedSchemas() { return kSchemas; }
 }  // namespace acus::config
+]])
+  target_sources(${target} PRIVATE ${source})
+endfunction()
+
+# Compiles the style sheet of pages into TARGET: a report is one file.
+function(acus_embed_style target)
+  set(sheet ${CMAKE_SOURCE_DIR}/pipelines/common/page.css)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${sheet})
+  file(READ ${sheet} text)
+  set(source ${CMAKE_BINARY_DIR}/generated/page_style.cpp)
+  file(CONFIGURE OUTPUT ${source} @ONLY CONTENT [[
+#include "acus/base/report/html_parts.h"
+
+namespace acus::report {
+std::string_view StyleSheet() { return R"css(@text@)css"; }
+}  // namespace acus::report
 ]])
   target_sources(${target} PRIVATE ${source})
 endfunction()

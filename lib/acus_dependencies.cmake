@@ -73,6 +73,7 @@ acus_find(openigtlink OpenIGTLink HEADER igtl_header.h openigtlink)
 acus_find(cholmod cholmod openblas HEADER cholmod.h suitesparse)
 acus_find(tetgen tet HEADER tetgen.h DEFINES TETLIBRARY)
 find_package(X11 QUIET)
+find_package(Qt5 5.15 QUIET COMPONENTS Widgets)
 # What casts rays on a graphics card: contexts without a window.
 find_package(OpenGL QUIET COMPONENTS OpenGL EGL)
 
@@ -83,7 +84,7 @@ function(acus_debian_packages out)
            "^embree" libembree-dev "^hwy" libhwy-dev "libav$" libavformat-dev "matio$" libmatio-dev
            "sndfile$" libsndfile1-dev "^hdf5" libhdf5-dev "_zip$" libzip-dev "_bz2$" libbz2-dev
            "_openigtlink$" libopenigtlink-dev "_cholmod$" "libsuitesparse-dev, libopenblas-dev"
-           "_tetgen$" libtet1.5-dev "^X11" libx11-dev "::EGL" libegl-dev "^OpenGL" libopengl-dev)
+           "_tetgen$" libtet1.5-dev "^Qt5" qtbase5-dev "^X11" libx11-dev "::EGL" libegl-dev "^OpenGL" libopengl-dev)
   set(packages "")
   while(rows)
     list(POP_FRONT rows pattern package)

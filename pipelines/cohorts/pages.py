@@ -1,23 +1,40 @@
-"""Pages of a cohort and their plots: HTML and SVG, without scripts."""
+"""Pages of a cohort and their plots: HTML and SVG, without scripts, in the style of all reports."""
 import html
+import pathlib
+import re
 import statistics
 
-STYLE = """body{font-family:sans-serif;max-width:70em;margin:2em auto;padding:0 1em}
-table{border-collapse:collapse}td,th{padding:.2em .7em;border-bottom:1px solid #ddd;text-align:left}
-td.n{text-align:right}img{max-width:22em;margin:.3em}code{background:#f3f3f3}.bad{color:#a31515}"""
+STYLE = pathlib.Path(__file__).resolve().parent.parent / "common/page.css"
+NUMBER = re.compile(r"[-+]?\d[\d.,e+-]*( ?%)?")
 
 
-def page(title, body):
-    return (f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
-            f"<style>{STYLE}</style></head><body>" + "\n".join(body) + "</body></html>\n")
+def page(title, body, warnings=()):
+    """body: HTML after the title and the warnings, with a contents list of its h2."""
+    headings = re.findall(r"<h2>(.*?)</h2>", "\n".join(body))
+    parts = ['<!DOCTYPE html>', '<html lang="en">', '<head><meta charset="utf-8">',
+             '<meta name="viewport" content="width=device-width, initial-scale=1">', f"<title>{html.escape(title)}</title>",
+             f"<style>{STYLE.read_text(encoding='utf-8')}</style></head><body>", f"<h1>{html.escape(title)}</h1>"]
+    if warnings:
+        parts += ['<aside class="warnings" role="note"><strong>Please note</strong><ul>',
+                  *(f"<li>{html.escape(text)}</li>" for text in warnings), "</ul></aside>"]
+    if len(headings) > 1:
+        links = "".join(f'<li><a href="#s{i}">{text}</a></li>' for i, text in enumerate(headings, 1))
+        parts.append(f'<nav aria-label="Contents"><ul>{links}</ul></nav>')
+    text = "\n".join(body)
+    for i in range(len(headings)):
+        text = text.replace("<h2>", f'<h2 id="s{i + 1}">', 1)
+    return "\n".join([*parts, "<main>", text, "</main></body></html>"]) + "\n"
 
 
 def table(header, rows):
-    cells = "".join(f"<th>{html.escape(h)}</th>" for h in header)
-    lines = ["<table><tr>" + cells + "</tr>"]
-    for row in rows:
-        lines.append("<tr>" + "".join(f"<td>{c}</td>" for c in row) + "</tr>")
-    return "".join(lines) + "</table>"
+    """Columns of numbers are flush right."""
+    is_number = [bool(rows) and all(NUMBER.fullmatch(str(row[i])) or str(row[i]) in ("", "n/a") for row in rows)
+                 for i in range(len(header))]
+    def line(cells, tag):
+        marks = [' class="n"' if number else "" for number in is_number]
+        return "<tr>" + "".join(f"<{tag}{mark}>{cell}</{tag}>" for mark, cell in zip(marks, cells)) + "</tr>"
+    return ('<div class="scroll"><table><thead>' + line(map(html.escape, header), "th") + "</thead><tbody>"
+            + "".join(line(row, "td") for row in rows) + "</tbody></table></div>")
 
 
 def strip_plot(values, unit, flagged):
@@ -26,8 +43,8 @@ def strip_plot(values, unit, flagged):
     span = (high - low) or abs(high) or 1.0
     def x(value):
         return 20 + 560 * (value - low) / span
-    parts = ['<svg xmlns="http://www.w3.org/2000/svg" width="600" height="62" font-size="11">',
-             '<line x1="20" y1="42" x2="580" y2="42" stroke="#888"/>']
+    parts = ['<svg xmlns="http://www.w3.org/2000/svg" width="600" height="62" font-size="11" fill="currentColor">',
+             '<line x1="20" y1="42" x2="580" y2="42" stroke="currentColor"/>']
     if len(values) > 1:
         first, middle, third = statistics.quantiles(values, n=4, method="inclusive")
         parts.append(f'<rect x="{x(first):.1f}" y="8" width="{x(third) - x(first) + 0.5:.1f}" height="26" '
@@ -44,7 +61,7 @@ def strip_plot(values, unit, flagged):
 
 def _band(x, one, y):
     """Range, quartiles and median of one point of a trend."""
-    return (f'<line x1="{x:.1f}" y1="{y(one["min"]):.1f}" x2="{x:.1f}" y2="{y(one["max"]):.1f}" stroke="#888"/>'
+    return (f'<line x1="{x:.1f}" y1="{y(one["min"]):.1f}" x2="{x:.1f}" y2="{y(one["max"]):.1f}" stroke="currentColor"/>'
             f'<rect x="{x - 6:.1f}" y="{y(one["q3"]):.1f}" width="12" '
             f'height="{y(one["q1"]) - y(one["q3"]) + 0.5:.1f}" fill="#dfe8f3" stroke="#2a5a8c"/>'
             f'<circle cx="{x:.1f}" cy="{y(one["median"]):.1f}" r="3" fill="#2a5a8c"/>')
@@ -58,8 +75,8 @@ def trend_plot(labels, points):
     step = 520 / max(1, len(labels) - 1)
     def y(value):
         return 120 - 105 * (value - low) / span
-    parts = ['<svg xmlns="http://www.w3.org/2000/svg" width="680" height="150" font-size="11">',
-             '<path d="M70 10V125H610" fill="none" stroke="#888"/>',
+    parts = ['<svg xmlns="http://www.w3.org/2000/svg" width="680" height="150" font-size="11" fill="currentColor">',
+             '<path d="M70 10V125H610" fill="none" stroke="currentColor"/>',
              f'<text x="64" y="19" text-anchor="end">{high:.4g}</text>',
              f'<text x="64" y="124" text-anchor="end">{low:.4g}</text>']
     at = [(80 + i * step, p) for i, p in enumerate(points) if p]

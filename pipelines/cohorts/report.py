@@ -9,7 +9,7 @@ import budgets
 import pages
 import resources
 from files import read_json, write_json, write_tsv, write_whole
-from wording import counted
+from wording import counted, duration
 
 OUTLIER_Z = 3.5  # Iglewicz and Hoaglin (1993), of the modified z-score.
 
@@ -133,19 +133,19 @@ def _costs_part(output, costs):
     for rule in sorted({c["rule"] for c in costs}):
         own = [c for c in costs if c["rule"] == rule]
         ratio, within = resources.accuracy(own)
-        rows.append([rule, len(own), f"{sum(c['cpu_s'] for c in own) / 3600:.3f}",
+        rows.append([rule, len(own), duration(sum(c["cpu_s"] for c in own)),
                      f"{max(c['memory_mb'] for c in own):.0f}", f"{ratio:.2f}", f"{100 * within:.0f} %"])
     text = ""
     if (output / "work/last_run.json").exists():
         last = read_json(output / "work/last_run.json")
-        text = (f"<p>Last run: {last['jobs']} jobs took {last['took_s'] / 3600:.3f} h; predicted "
-                f"{last['wall_s'] / 3600:.3f} h on {last['cores']} cores.</p>")
+        text = (f"<p>Last run: {counted(last['jobs'], 'job')} took {duration(last['took_s'])}; predicted "
+                f"{duration(last['wall_s'])} on {last['cores']} cores.</p>")
     plots = []
     for rule in sorted({c["rule"] for c in costs}):
         values = [c["cpu_s"] for c in costs if c["rule"] == rule]
         plots.append(f"<h3>{rule}: CPU time [s]</h3>{pages.strip_plot(values, 's', outliers(values))}")
-    return ["<h1>Time and memory</h1>", text, pages.table(
-        ["program", "jobs", "CPU time, h", "largest memory, MB", "measured / predicted time (median)",
+    return ["<h2>Programs</h2>", text, pages.table(
+        ["program", "jobs", "CPU time", "largest memory, MB", "measured / predicted time (median)",
          "within the memory asked for"], rows), *plots]
 
 
@@ -155,7 +155,7 @@ def _budgets_part(checks):
     rows = [[html.escape(c["budget"]), "n/a" if c["value"] is None else f"{c['value']:.4g}", f"{c['limit']:g}", c["of"],
              "yes" if c["passed"] == "true" else '<span class="bad">NO</span>', html.escape(c["remark"])]
             for c in checks]
-    return ["<h1>Budgets</h1>", pages.table(["budget", "value", "limit", "jobs or replays", "kept", ""], rows)]
+    return ["<h2>Budgets</h2>", pages.table(["budget", "value", "limit", "jobs or replays", "kept", ""], rows)]
 
 
 def write(output, plan, failed, problems, limits=None):
@@ -192,11 +192,12 @@ def write(output, plan, failed, problems, limits=None):
                       [f'<a href="../{c["run"]}/comparison.html">{c["run"]}</a>', html.escape(c["quantity"]),
                        c["value"], c["limit"], html.escape(c["remark"])] for c in bad[:200]]), *differing]
     people = {j["participant"] for j in plan.jobs.values()} | {p["participant"] for p in problems}
-    body = ["<h1>Cohort</h1>", f"<p>{counted(len(people), 'participant')}, {counted(len(rows), 'replay')}.</p>", "<h2>Failures</h2>",
+    warnings = [f"{counted(len({f['participant'] for f in failed + problems}), 'participant')} failed."] if failed + problems else []
+    body = [f"<p>{counted(len(people), 'participant')}, {counted(len(rows), 'replay')}.</p>", "<h2>Failures</h2>",
             *_failures_part(output, failed, problems), *differ, "<h2>Metrics</h2>", *parts,
             "<p>Tables: <a href=\"metrics.tsv\">metrics.tsv</a>, <a href=\"distributions.tsv\">distributions.tsv"
             "</a>, <a href=\"failures.tsv\">failures.tsv</a>; <a href=\"times.html\">time, memory and budgets</a></p>"]
-    write_whole(group / "report.html", pages.page("Cohort", body))
+    write_whole(group / "report.html", pages.page("Cohort", body, warnings))
     write_whole(group / "times.html", pages.page("Time and memory",
                                                    _budgets_part(kept) + _costs_part(output, costs)))
     return kept

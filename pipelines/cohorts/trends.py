@@ -188,7 +188,7 @@ def page_of(runs):
     by_version = [{row["quantity"]: row for row in rows} for _, rows in runs]
     names = list(dict.fromkeys(name for found in by_version for name in found))
     quantities = {name: [found.get(name) for found in by_version] for name in names}
-    body = ["<h1>Trends over versions</h1>", pages.table(["", "version"], [
+    body = [pages.table(["", "version"], [
         [i + 1, html.escape(label)] for i, label in enumerate(labels)]),
         "<h2>From the last version but one to the last</h2>", *changes_part(quantities),
         "<h2>All quantities</h2>",

@@ -36,12 +36,6 @@ def parse(arguments):
     return parser.parse_args(arguments)
 
 
-def program_folder():
-    in_sources = (ROOT / "CMakeLists.txt").exists()
-    beside = ROOT / "build/bin" if in_sources else ROOT.parent.parent / "bin"
-    return pathlib.Path(os.environ.get("ACUS_BIN", beside)).resolve()
-
-
 def list_day(place):
     found = sessions.find(place.folder)
     codes = place.trainees(found)
@@ -86,9 +80,9 @@ def open_window(place, options):
 
 
 def run(options):
-    os.environ["ACUS_BIN"] = str(program_folder())
+    os.environ["ACUS_BIN"] = str(texts.program_folder())
     configs = pathlib.Path(os.environ.get("ACUS_CONFIGS", ROOT / "configs"))
-    place = workplace.Workplace(options.workplace, program_folder(), configs)
+    place = workplace.Workplace(options.workplace, texts.program_folder(), configs)
     if options.list:
         list_day(place)
     else:

@@ -52,7 +52,7 @@ set(CPACK_DEBIAN_LIBACUS-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBACUS-DEV_PACKAGE_DEPENDS "libeigen3-dev, nlohmann-json3-dev, libboost-dev, libssl-dev, \
 libexpat1-dev, zlib1g-dev, libvalijson-dev, libinsighttoolkit5-dev, libvtk9-dev, libopencv-dev, libopencv-contrib-dev, \
 libembree-dev, libtet1.5-dev, libavformat-dev, libavcodec-dev, libavutil-dev, libhdf5-dev, libmatio-dev, libpng-dev, libzip-dev, libbz2-dev, libsndfile1-dev, \
-libopenigtlink-dev, libceres-dev, libhwy-dev, libsuitesparse-dev, libopenblas-dev, libcli11-dev, libx11-dev, pkg-config")
+libopenigtlink-dev, libceres-dev, libhwy-dev, libsuitesparse-dev, libopenblas-dev, libcli11-dev, libx11-dev, qtbase5-dev, pkg-config")
 set(CPACK_DEBIAN_LIBACUS-DEV_PACKAGE_RECOMMENDS acus)  # The presets.
 set(CPACK_DEBIAN_LIBACUS-DEV_DESCRIPTION "Headers, static libraries and the files that find_package(Acus) reads: tissue,
 needle, forces, ultrasound and breathing, to be built into other programs.")

@@ -12,11 +12,9 @@ say() { echo "== $paper: $*" >&2; }
 # page TITLE: begins page.html.
 page() {
   cat >page.html <<HTML
-<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>$1</title><style>
-body { font: 15px/1.45 sans-serif; max-width: 76em; margin: 2em auto; padding: 0 1em; color: #222; }
-table { border-collapse: collapse; } td, th { border: 1px solid #bbb; padding: .3em .6em; vertical-align: top; text-align: left; }
-img { max-width: 100%; } figure { margin: 1.5em 0; } figcaption { color: #555; } pre { background: #f4f4f4; padding: .6em; overflow-x: auto; }
-</style></head><body><h1>$1</h1>
+<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<title>$1</title><style>$(cat "$root/pipelines/common/page.css")</style></head><body><h1>$1</h1>
 <p>$(acus-replay --version | head -n 1); $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores. Times are CPU times.
 All numbers are of synthetic patients whose truth is known; pipelines/papers made this page.</p>
 HTML

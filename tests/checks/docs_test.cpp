@@ -88,5 +88,11 @@ TEST(Docs, TheFigureOfTheWingsIsThatOfTheBuild) {
   EXPECT_EQ(std::system(command.c_str()), 0) << "run developer/module-graph";
 }
 
+TEST(Docs, EveryTextThatATraineeReadsIsTranslated) {
+  if (std::system("command -v xgettext >/dev/null") != 0) GTEST_SKIP() << "needs package gettext";
+  const std::string command = "python3 '" + kRoot.string() + "/developer/translations' --check";
+  EXPECT_EQ(std::system(command.c_str()), 0) << "run developer/translations";
+}
+
 }  // namespace
 }  // namespace acus

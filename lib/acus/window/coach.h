@@ -37,8 +37,8 @@ struct CoachView {
 /// (plane, side, depth), needle not seen, needle out of the image plane.
 std::string CoachLine(const CoachView& view);
 
-/// The key that moves a tool best in a direction: "Page Down", "Left". @param direction_in_ct  Not
-/// zero.
+/// The key that moves a tool best in a direction, in English: "Page Down", "Left". @param
+/// direction_in_ct  Not zero.
 std::string KeyTowards(const SteeredTool& tool, const Eigen::Vector3d& direction_in_ct);
 
 }  // namespace acus::window

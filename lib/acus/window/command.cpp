@@ -2,39 +2,47 @@
 
 #include <array>
 
+#include "acus/base/translation/translation.h"
+
 namespace acus::window {
 namespace {
 
+using translation::Marked;
+
 constexpr std::array kKeys = {
-    KeyHelp{Command::kFreeze, "F", "freeze and unfreeze the ultrasound image"},
-    KeyHelp{Command::kGainUp, "G", "more gain"},
-    KeyHelp{Command::kGainDown, "Shift+G", "less gain"},
-    KeyHelp{Command::kDeeper, "D", "deeper"},
-    KeyHelp{Command::kShallower, "Shift+D", "shallower"},
-    KeyHelp{Command::kMarkTarget, "T", "mark the needle's tip as target"},
-    KeyHelp{Command::kPressPlunger, "I", "press the plunger of the syringe harder"},
-    KeyHelp{Command::kEasePlunger, "Shift+I", "ease the plunger; below zero: pull it"},
-    KeyHelp{Command::kHoldBreath, "B", "hold the breath, and breathe on"},
-    KeyHelp{Command::kSwapHands, "W", "swap needle and probe (left-handed)"},
-    KeyHelp{Command::kNextView, "V", "next view alone, then all again"},
-    KeyHelp{Command::kGrid, "A", "all views"},
-    KeyHelp{Command::kOverlayMore, "O", "more of the CT over the video"},
-    KeyHelp{Command::kOverlayLess, "Shift+O", "less of the CT over the video"},
-    KeyHelp{Command::kNeedleGuide, "N", "line ahead of the needle in the ultrasound"},
+    KeyHelp{Command::kFreeze, "F", Marked("freeze and unfreeze the ultrasound image")},
+    KeyHelp{Command::kGainUp, "G", Marked("more gain")},
+    KeyHelp{Command::kGainDown, "Shift+G", Marked("less gain")},
+    KeyHelp{Command::kDeeper, "D", Marked("deeper")},
+    KeyHelp{Command::kShallower, "Shift+D", Marked("shallower")},
+    KeyHelp{Command::kMarkTarget, "T", Marked("mark the needle's tip as target")},
+    KeyHelp{Command::kPressPlunger, "I", Marked("press the plunger of the syringe harder")},
+    KeyHelp{Command::kEasePlunger, "Shift+I", Marked("ease the plunger; below zero: pull it")},
+    KeyHelp{Command::kHoldBreath, "B", Marked("hold the breath, and breathe on")},
+    KeyHelp{Command::kSwapHands, "W", Marked("swap needle and probe (left-handed)")},
+    KeyHelp{Command::kNextView, "V", Marked("next view alone, then all again")},
+    KeyHelp{Command::kGrid, "A", Marked("all views")},
+    KeyHelp{Command::kOverlayMore, "O", Marked("more of the CT over the video")},
+    KeyHelp{Command::kOverlayLess, "Shift+O", Marked("less of the CT over the video")},
+    KeyHelp{Command::kNeedleGuide, "N", Marked("line ahead of the needle in the ultrasound")},
     KeyHelp{Command::kCameraPreset, "1 to 7",
-            "3D from in front, behind, left, right, top, "
-            "bottom, oblique"},
-    KeyHelp{Command::kVolume, "M", "volume view: on, off"},
-    KeyHelp{Command::kVolumeLook, "L", "volume: next look (bone, skin, soft tissue, vessels)"},
-    KeyHelp{Command::kVolumeDenser, "P", "volume: more opaque"},
-    KeyHelp{Command::kVolumeFainter, "Shift+P", "volume: less opaque"},
-    KeyHelp{Command::kVolumeCut, "C", "volume: next cut (axial, coronal, sagittal, facing you)"},
-    KeyHelp{Command::kCutOn, "X", "volume: move the cut"},
-    KeyHelp{Command::kCutBack, "Shift+X", "volume: move the cut back"},
-    KeyHelp{Command::kStereo, "S", "3D in stereo: side by side, red-cyan, shutter, off"},
-    KeyHelp{Command::kSteerOther, "Tab", "mouse and arrows move the other tool"},
-    KeyHelp{Command::kHelp, "H", "this page"},
-    KeyHelp{Command::kQuit, "Q", "end the session (press twice)"},
+            Marked("3D from in front, behind, left, right, top, "
+                   "bottom, oblique")},
+    KeyHelp{Command::kVolume, "M", Marked("volume view: on, off")},
+    KeyHelp{Command::kVolumeLook, "L",
+            Marked("volume: next look (bone, skin, soft tissue, vessels)")},
+    KeyHelp{Command::kVolumeDenser, "P", Marked("volume: more opaque")},
+    KeyHelp{Command::kVolumeFainter, "Shift+P", Marked("volume: less opaque")},
+    KeyHelp{Command::kVolumeCut, "C",
+            Marked("volume: next cut (axial, coronal, sagittal, facing you)")},
+    KeyHelp{Command::kCutOn, "X", Marked("volume: move the cut")},
+    KeyHelp{Command::kCutBack, "Shift+X", Marked("volume: move the cut back")},
+    KeyHelp{Command::kStereo, "S", Marked("3D in stereo: side by side, red-cyan, shutter, off")},
+    KeyHelp{Command::kUndo, "U", Marked("take back the last movement by mouse or keys")},
+    KeyHelp{Command::kSteerOther, "Tab", Marked("mouse and arrows move the other tool")},
+    KeyHelp{Command::kFigures, "E", Marked("figures for engineers: delays, rates, forces")},
+    KeyHelp{Command::kHelp, "H", Marked("this page")},
+    KeyHelp{Command::kQuit, "Q", Marked("end the session (press twice)")},
 };
 
 }  // namespace
@@ -61,6 +69,8 @@ std::string_view NameOf(Command command) noexcept {
       return "press_plunger";
     case Command::kEasePlunger:
       return "ease_plunger";
+    case Command::kUndo:
+      return "undo";
     case Command::kSteerOther:
       return "steer_other";
     case Command::kQuit:
@@ -93,6 +103,8 @@ std::string_view NameOf(Command command) noexcept {
       return "cut_on";
     case Command::kCutBack:
       return "cut_back";
+    case Command::kFigures:
+      return "figures";
     case Command::kHelp:
       return "help";
   }

@@ -20,6 +20,7 @@ enum class Command {
   kMarkTarget,
   kPressPlunger,  ///< More force of the thumb on the syringe.
   kEasePlunger,
+  kUndo,        ///< The newest movement of the tool that mouse and keys move is taken back.
   kSteerOther,  ///< Mouse and arrow keys move the other tool: needle or probe.
   kQuit,        ///< By a key pressed twice, or by closing the window.
   kNextView,    ///< Grid, then each view alone.
@@ -36,6 +37,7 @@ enum class Command {
   kVolumeCut,
   kCutOn,
   kCutBack,
+  kFigures,
   kHelp,
 };
 
@@ -45,7 +47,7 @@ std::string_view NameOf(Command command) noexcept;
 struct KeyHelp {
   Command command;
   std::string_view keys;  ///< As printed: "G / Shift+G".
-  std::string_view text;
+  const char* text;       ///< In English, for the catalogues of translations.
 };
 /// All keys, in the order of the help page.
 std::span<const KeyHelp> Keys() noexcept;

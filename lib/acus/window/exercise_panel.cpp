@@ -4,25 +4,38 @@
 #include <sstream>
 
 #include "acus/base/core/text_table.h"
-#include "acus/window/status_bar.h"
+#include "acus/base/translation/translation.h"
+#include "acus/window/severity_mark.h"
 
 namespace acus::window {
 namespace {
 
+using translation::Translated;
+
 std::string WithUnit(const std::string& number, const std::string& unit) {
   return unit.empty() ? number : number + ' ' + unit;
+}
+
+/// As training::GoalText(), translated.
+std::string LimitText(const training::Goal& goal, const std::string& unit) {
+  const auto number = [&](double value) { return WithUnit(RoundedText(value, 6), unit); };
+  const std::string most =
+      goal.at_most ? Translated("at most {1}", {number(*goal.at_most)}) : std::string();
+  if (!goal.at_least) return most;
+  const std::string least = Translated("at least {1}", {number(*goal.at_least)});
+  return most.empty() ? least : least + ", " + most;
 }
 
 ExerciseOnDisplay::Goal GoalToShow(const replay::GoalNow& goal) {
   const training::GoalResult& result = goal.result;
   ExerciseOnDisplay::Goal out;
   out.name = result.goal.metric;
-  out.limit = training::GoalText(result.goal, result.unit);
+  out.limit = LimitText(result.goal, result.unit);
   if (goal.at_end) {
-    out.value = "in the report";
+    out.value = Translated("in the report");
   } else if (result.goal.metric.starts_with("tip to target") && result.value) {
     // Its number is of another time than the distance shown: the window shows one distance only.
-    out.value = result.met ? "met so far" : "not yet";
+    out.value = result.met ? Translated("met so far") : Translated("not yet");
     out.severity = result.met ? Severity::kGood : Severity::kNote;
   } else if (result.value) {
     out.value = WithUnit(RoundedText(*result.value, 3), result.unit);
@@ -60,7 +73,7 @@ class Column {
   /// A dot, a name and on the right a value.
   void Pair(Severity severity, const std::string& name, const std::string& value, Colour colour) {
     if (!HasRoom(RowPx())) return;
-    Dot(severity);
+    Mark(severity);
     const int value_px = sketch_.TextWidth(value, sizes_.small_px);
     const int room = place_.width - 24 - kIndentPx;
     sketch_.Text({place_.left + place_.width - 12, row_}, value,
@@ -70,9 +83,11 @@ class Column {
     }
     row_ += RowPx();
   }
-  void Dot(Severity severity) {
-    sketch_.Dot({place_.left + 16.0, row_ + 0.5 * sketch_.TextHeight(sizes_.small_px)}, 4.0,
-                ColourOf(severity));
+  /// @param state  As DrawMark() takes them.
+  template <typename... State>
+  void Mark(State... state) {
+    const double half = 0.5 * sketch_.TextHeight(sizes_.small_px);
+    DrawMark(state..., {place_.left + 16.0, row_ + half}, 0.7 * half, sketch_);
   }
   static constexpr int kIndentPx = 14;
 
@@ -85,47 +100,34 @@ class Column {
   int row_;
 };
 
-Severity SeverityOfStep(training::StepState state) {
-  switch (state) {
-    case training::StepState::kDone:
-      return Severity::kGood;
-    case training::StepState::kFailed:
-      return Severity::kFault;
-    case training::StepState::kOpen:
-      break;
-  }
-  return Severity::kNote;
-}
-
-void DrawGoals(const ExerciseOnDisplay& exercise, Column& column) {
-  if (exercise.goals.empty()) return;
-  column.Heading("Goals");
-  const int needed =
-      2 * static_cast<int>(exercise.goals.size()) + 2 * static_cast<int>(exercise.steps.size()) + 3;
-  const bool has_room = column.RoomLeft() >= needed * column.RowPx();
-  for (const ExerciseOnDisplay::Goal& goal : exercise.goals) {
-    column.Pair(goal.severity, goal.name, goal.value,
-                goal.severity == Severity::kNote ? palette::kFaint : ColourOf(goal.severity));
-    if (has_room) column.Text(goal.limit, palette::kFaint, Column::kIndentPx);
-  }
-}
-
 void DrawSteps(const ExerciseOnDisplay& exercise, Column& column) {
   if (exercise.steps.empty()) return;
-  column.Heading("Steps");
+  column.Heading(Translated("Steps"));
   for (std::size_t i = 0; i < exercise.steps.size(); ++i) {
     const ExerciseOnDisplay::Step& step = exercise.steps[i];
     const bool is_next = exercise.next_step == i;
     if (!column.HasRoom(column.RowPx())) return;
-    column.Dot(SeverityOfStep(step.state));
-    column.Text(step.text,
+    column.Mark(step.state, is_next);
+    column.Text(Translated(step.text),
                 is_next                                      ? palette::kText
                 : step.state == training::StepState::kFailed ? palette::kFault
                                                              : palette::kFaint,
                 Column::kIndentPx, is_next);
     if (is_next && !exercise.hint.empty()) {
-      column.Text(exercise.hint, palette::kNeedle, Column::kIndentPx);
+      column.Text(Translated(exercise.hint), palette::kNeedle, Column::kIndentPx);
     }
+  }
+}
+
+void DrawGoals(const ExerciseOnDisplay& exercise, Column& column) {
+  if (exercise.goals.empty()) return;
+  column.Heading(Translated("Goals"));
+  const int needed = 2 * static_cast<int>(exercise.goals.size()) + 1;
+  const bool has_room = column.RoomLeft() >= needed * column.RowPx();
+  for (const ExerciseOnDisplay::Goal& goal : exercise.goals) {
+    column.Pair(goal.severity, Translated(goal.name), goal.value,
+                goal.severity == Severity::kNote ? palette::kFaint : ColourOf(goal.severity));
+    if (has_room) column.Text(goal.limit, palette::kFaint, Column::kIndentPx);
   }
 }
 
@@ -173,13 +175,14 @@ void DrawExercise(const ExerciseOnDisplay& exercise, const Rectangle& place, con
   sketch.SetClip(place);
   sketch.Fill(place, palette::kBackground);
   Column column(place, sizes, sketch);
-  column.Text(exercise.name, palette::kText, 0, true);
+  column.Text(Translated(exercise.name), palette::kText, 0, true);
   if (!exercise.caption.empty()) column.Text(exercise.caption, palette::kFaint, 0);
-  column.Text(
-      exercise.target_reached ? "At the target: " + exercise.target : "Target: " + exercise.target,
-      exercise.target_reached ? palette::kGood : palette::kText, 0);
-  DrawGoals(exercise, column);
+  const std::string target = Translated(exercise.target);
+  column.Text(exercise.target_reached ? Translated("At the target: {1}", {target})
+                                      : Translated("Target: {1}", {target}),
+              exercise.target_reached ? palette::kGood : palette::kText, 0);
   DrawSteps(exercise, column);
+  DrawGoals(exercise, column);
 }
 
 }  // namespace acus::window

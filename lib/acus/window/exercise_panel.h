@@ -1,5 +1,5 @@
-// The exercise beside the views: target, goals with their current values, and the steps to tick
-// off.
+// The exercise beside the views: target, the steps to tick off, and goals with their current
+// values.
 #pragma once
 
 #include "acus/window/frame.h"

@@ -15,7 +15,7 @@
 namespace acus::window {
 namespace {
 
-constexpr std::array kSizesPx = {11, 12, 13, 14, 15, 16, 18, 20, 22, 26, 30, 36};
+constexpr std::array kSizesPx = {11, 12, 13, 14, 15, 16, 18, 20, 22, 26, 30, 36, 42, 60};
 constexpr char32_t kEllipsis = 0x2026;
 constexpr int kScreenDpi = 72;  // Points are pixels.
 constexpr int kProfilePx = 5;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "acus/base/translation/translation.h"
 #include "acus/run/training/session_metrics.h"
 #include "acus/scene/simulation/probe_image_renderer.h"
 #include "acus/window/coach.h"
@@ -140,7 +141,7 @@ void FrameMaker::AddReadouts(const live::LiveImage& image) {
   }
   if (!notice_.empty()) frame_.status.push_back({Severity::kNote, notice_});
   if (snapshot.forces_paused) {
-    frame_.status.push_back({Severity::kWarning, "Forces are paused."});
+    frame_.status.push_back({Severity::kWarning, translation::Translated("Forces are paused.")});
   }
 }
 

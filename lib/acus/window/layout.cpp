@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "acus/base/core/error.h"
+#include "acus/base/translation/translation.h"
 
 namespace acus::window {
 namespace {
@@ -15,11 +16,11 @@ namespace {
 constexpr int kGapPx = 2;
 
 int StatusHeight(int height_px) {
-  return std::clamp(height_px * 2 / 15, 60, 160);
+  return std::clamp(height_px * 2 / 15, 60, 288);
 }
 
 /// The share of the room for the first of three views.
-constexpr double kShareOfFirst = 0.58;
+constexpr double kShareOfFirst = 0.64;
 
 /// Splits a room into `count` rectangles of nearly the same size, side by side or one below the
 /// other.
@@ -49,18 +50,19 @@ std::pair<Rectangle, Rectangle> Split(const Rectangle& room, bool below, double 
 
 }  // namespace
 
-std::string_view TitleOf(ViewKind view) noexcept {
+const char* TitleOf(ViewKind view) noexcept {
+  using translation::Marked;
   switch (view) {
     case ViewKind::kVideo:
-      return "Camera";
+      return Marked("Camera");
     case ViewKind::kUltrasound:
-      return "Ultrasound";
+      return Marked("Ultrasound");
     case ViewKind::kTeaching:
-      return "3D";
+      return Marked("3D");
     case ViewKind::kVolume:
-      return "Volume";
+      return Marked("Volume");
     case ViewKind::kCtSlice:
-      return "CT in the probe's plane";
+      return Marked("CT in the probe's plane");
     case ViewKind::kEffect:
     case ViewKind::kSecondEffect:
       return "Effect";  // Its own title is in the window.
@@ -108,7 +110,7 @@ Layout LayOut(int width_px, int height_px, const std::vector<ViewKind>& shown,
   Rectangle room{.left = 0, .top = 0, .width = width_px, .height = height_px - status_px - kGapPx};
   if (has_exercise && width_px >= kLeastForExercisePx) {
     layout.exercise = room;
-    layout.exercise.width = std::clamp(width_px / 4, 150, 420);
+    layout.exercise.width = std::clamp(width_px * 22 / 100, 150, 840);
     room.left = layout.exercise.width + kGapPx;
     room.width -= room.left;
   }

@@ -14,7 +14,8 @@ inline constexpr std::array kViewKinds = {
     ViewKind::kCtSlice, ViewKind::kEffect,     ViewKind::kSecondEffect};
 /// At most this number of effects' images is shown.
 inline constexpr std::array kEffectViews = {ViewKind::kEffect, ViewKind::kSecondEffect};
-std::string_view TitleOf(ViewKind view) noexcept;
+/// In English, for the catalogues of translations.
+const char* TitleOf(ViewKind view) noexcept;
 
 /// Parses names as in `acus-live --views`: "ultrasound,3d,volume". `effects` stands for two views.
 /// @throws InputError for an empty list, or an unknown name.

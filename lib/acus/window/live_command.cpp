@@ -2,11 +2,13 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
 #include <ostream>
 #include <unistd.h>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/text_table.h"
+#include "acus/base/translation/translation.h"
 #include "acus/imaging/graphics/gl_context.h"
 #include "acus/run/live/image_server.h"
 #include "acus/run/replay/replay.h"
@@ -157,6 +159,7 @@ ExitCode MakeImages(const Options& options, const live::LiveDevices& devices, Ru
 }
 
 ExitCode RunLive(Options& options, RunContext& context, std::ostream& out) {
+  translation::UseLanguage(translation::LanguageOfEnvironment(), translation::LocaleFolder());
   const fs::path here = fs::current_path();
   options.console.window.volume_rays = VolumeRaysOf(options.volume_rays);
   const auto devices = live::ReadLiveDevices(config::FindConfig(options.devices, here));
@@ -165,7 +168,12 @@ ExitCode RunLive(Options& options, RunContext& context, std::ostream& out) {
   const auto scenario =
       scenario::ReadScenario(config::FindConfig(options.scenario, here), OverridesOf(options));
   if (!options.exercise.empty()) live::UseExercise(options.exercise, options.session, context);
-  live::LiveSession session(scenario, devices, options.session, context);
+  std::optional<LoadingScreen> loading;
+  RunContext shown = context;
+  if (!options.headless && !options.session.only_checks) {
+    shown = loading.emplace(options.console.window).Shown(context);
+  }
+  live::LiveSession session(scenario, devices, options.session, shown);
   if (options.session.only_checks) {
     out << replay::CheckText(scenario, {}, replay::PlanDetail::kStages, context)
         << session.DevicesText();
@@ -175,7 +183,8 @@ ExitCode RunLive(Options& options, RunContext& context, std::ostream& out) {
   if (options.headless) {
     good = live::RunHeadless(session, context);
   } else {
-    const WindowRun run = RunWithWindow(scenario, session, options.console, context);
+    const WindowRun run =
+        RunWithWindow(scenario, session, options.console, shown, loading ? &*loading : nullptr);
     good = run.complete;
     out << "Window: " << FixedText(run.frames_per_s, 1) << " frames a second.\n";
     if (run.volume) out << "Volume view: " << VolumeRaysText(*run.volume) << ".\n";

@@ -93,7 +93,7 @@ std::string Digits(double value, int after_point) {
 }
 
 TextSizes SizesFor(int window_height_px) {
-  const double scale = std::clamp(window_height_px / 800.0, 0.8, 2.0);
+  const double scale = std::clamp(window_height_px / 800.0, 0.8, 2.8);
   const auto size = [&](double px) { return static_cast<int>(std::lround(scale * px)); };
   return {.small_px = size(13.0), .normal_px = size(15.0), .large_px = size(24.0)};
 }
@@ -104,8 +104,11 @@ Rectangle ImageRoom(ViewKind view, const Rectangle& place, const TextSizes& size
   const int side = is_ultrasound ? 4 * sizes.small_px : 6;
   const int below = is_ultrasound ? sizes.normal_px + 12 : 6;
   Rectangle out = place;
-  if (view == ViewKind::kTeaching || view == ViewKind::kVolume)
-    return out;  // It fills its rectangle; the title lies over it.
+  if (view == ViewKind::kTeaching || view == ViewKind::kVolume) {
+    out.top += title;
+    out.height -= title;
+    return out;
+  }
   out.left += side;
   out.width -= 2 * side;
   out.top += title;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "acus/base/translation/translation.h"
 #include "acus/run/live/image_bounds.h"
 
 namespace acus::window {
@@ -10,6 +11,7 @@ using live::kLargestDepthMm;
 using live::kLargestGainDb;
 using live::kLeastDepthMm;
 using session::CommandKind;
+using translation::Translated;
 
 namespace {
 /// Images show an order well before this time.
@@ -51,20 +53,28 @@ void OrderedSettings::Add(const live::CommandQueue::Order& order, double now_s) 
 std::string WhyWithoutEffect(Command command, const SessionAbilities& session) {
   switch (command) {
     case Command::kHoldBreath:
-      return session.breath_can_be_held ? "" : "This patient does not breathe: B has no effect.";
+      return session.breath_can_be_held
+                 ? ""
+                 : Translated("This patient does not breathe: B has no effect.");
     case Command::kSwapHands:
-      return session.has_both_tools ? "" : "There is one tool only: W swaps nothing.";
+      return session.has_both_tools ? "" : Translated("There is one tool only: W swaps nothing.");
     case Command::kMarkTarget:
-      return session.has_exercise_target ? "The exercise has its target: T marks no other." : "";
+      return session.has_exercise_target
+                 ? Translated("The exercise has its target: T marks no other.")
+                 : "";
     case Command::kPressPlunger:
     case Command::kEasePlunger:
-      return session.has_syringe ? "" : "There is no syringe on this needle: I has no effect.";
+      return session.has_syringe
+                 ? ""
+                 : Translated("There is no syringe on this needle: I has no effect.");
     case Command::kGainUp:
     case Command::kGainDown:
     case Command::kDeeper:
     case Command::kShallower:
     case Command::kFreeze:
-      return session.has_probe ? "" : "There is no ultrasound image: this key has no effect.";
+      return session.has_probe
+                 ? ""
+                 : Translated("There is no ultrasound image: this key has no effect.");
     default:
       return "";
   }

@@ -5,13 +5,17 @@
 #include <thread>
 
 #include "acus/base/core/monotonic_time.h"
+#include "acus/base/translation/translation.h"
 #include "acus/window/frame_maker.h"
 #include "acus/window/hand_steering.h"
 #include "acus/window/orders.h"
 #include "acus/window/patient_on_display.h"
+#include "acus/window/undo.h"
 
 namespace acus::window {
 namespace {
+
+using translation::Translated;
 
 constexpr std::int64_t kNoticeNs = 4'000'000'000;
 
@@ -75,6 +79,10 @@ class Loop {
     for (const Command command : window_.TakeCommands()) {
       if (command == Command::kQuit) return false;
       if (command == Command::kSteerOther) steers_needle_ = !steers_needle_;
+      if (command == Command::kUndo && !History().TakeBack()) {
+        frames_.SetNotice(Translated("There is no movement to take back."));
+        notice_until_ns_ = now_ns + kNoticeNs;
+      }
       if (std::string why = WhyWithoutEffect(command, abilities_); !why.empty()) {
         frames_.SetNotice(std::move(why));
         notice_until_ns_ = now_ns + kNoticeNs;
@@ -92,9 +100,18 @@ class Loop {
     const HandInput input = window_.TakeHandInput();
     if (input.pedal) session_.HoldPedal();
     const live::HeldTool held = session_.HeldBy(steers_needle_);
+    if (held.hand == nullptr) return;
+    MovementHistory& history = History();
+    const bool moves = !WayOf(input, held.hand->goal() * held.handle_from_tool, dt_s).IsZero();
+    history.Note(held.hand->goal(), moves, 1e-9 * static_cast<double>(last_ns_));
+    if (const ToolWay back = history.WayBack(held.hand->goal(), dt_s); !back.IsZero()) {
+      return held.hand->Nudge(back.way_mm, back.turn_rad);
+    }
     Steer(held.hand.get(), held.handle_from_tool, input, dt_s, held.may_advance,
           steers_needle_ ? SpeedShare(tip_to_target_mm_) : 1.0);
   }
+
+  MovementHistory& History() { return steers_needle_ ? of_needle_ : of_probe_; }
 
   live::LiveSession& session_;
   SessionWindows& window_;
@@ -104,6 +121,8 @@ class Loop {
   SessionAbilities abilities_;
   std::int64_t notice_until_ns_ = 0;
   bool steers_needle_ = true;
+  MovementHistory of_needle_;
+  MovementHistory of_probe_;
   std::optional<double> tip_to_target_mm_;
   std::int64_t last_ns_ = 0;
   std::int64_t num_shown_ = 0;
@@ -114,8 +133,15 @@ class Loop {
 }  // namespace
 
 WindowRun RunWithWindow(const scenario::Scenario& scenario, live::LiveSession& session,
-                        const ConsoleSettings& settings, RunContext& context) {
-  SessionWindows windows(PatientOnDisplayOf(scenario, session.scene(), context), settings);
+                        const ConsoleSettings& settings, RunContext& context,
+                        LoadingScreen* loading) {
+  const PatientOnDisplay patient = PatientOnDisplayOf(scenario, session.scene(), context);
+  std::unique_ptr<Screen> screen;
+  if (loading != nullptr) {
+    loading->Show(translation::Marked("preparing the views"), 1.0);
+    screen = loading->Release();
+  }
+  SessionWindows windows(patient, settings, std::move(screen));
   return RunInWindows(windows, session, settings);
 }
 

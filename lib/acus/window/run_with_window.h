@@ -4,6 +4,7 @@
 #include "acus/base/core/run_context.h"
 #include "acus/run/live/live_session.h"
 #include "acus/scene/scenario/scenario.h"
+#include "acus/window/loading_screen.h"
 #include "acus/window/session_windows.h"
 
 namespace acus::window {
@@ -25,8 +26,10 @@ struct WindowRun {
 /// Opens the window, starts the session and runs it until it is over or the user ends it. Keys
 /// become orders to the session; mouse and arrow keys move virtual hands.
 /// @throws InputError if there is no display, or the session does not start.
+/// @param loading  Was opened while the session was made; null: no window is open yet.
 WindowRun RunWithWindow(const scenario::Scenario& scenario, live::LiveSession& session,
-                        const ConsoleSettings& settings, RunContext& context);
+                        const ConsoleSettings& settings, RunContext& context,
+                        LoadingScreen* loading = nullptr);
 
 /// The same in open windows, which show the session's patient.
 /// @throws InputError if the session does not start.

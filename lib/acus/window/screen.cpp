@@ -116,6 +116,10 @@ void Screen::Add(vtkRenderer* renderer, int layer) {
   content_->window->AddRenderer(renderer);
 }
 
+void Screen::Remove(vtkRenderer* renderer) {
+  content_->window->RemoveRenderer(renderer);
+}
+
 std::vector<InputEvent> Screen::TakeEvents() {
   content_->interactor->ProcessEvents();
   std::vector<InputEvent> out;

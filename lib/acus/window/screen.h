@@ -44,6 +44,7 @@ class Screen {
   Screen& operator=(const Screen&) = delete;
 
   void Add(vtkRenderer* renderer, int layer);
+  void Remove(vtkRenderer* renderer);
   /// The events since the last call.
   std::vector<InputEvent> TakeEvents();
   /// False: no key is held any more, whether or not its release was reported.

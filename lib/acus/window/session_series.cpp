@@ -4,6 +4,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/monotonic_time.h"
+#include "acus/base/translation/translation.h"
 #include "acus/window/patient_on_display.h"
 
 namespace acus::window {
@@ -14,7 +15,7 @@ namespace fs = std::filesystem;
 constexpr int kPollMs = 50;
 /// Nothing moves meanwhile, and the processor is free for the reports.
 constexpr std::int64_t kRedrawNs = 1'000'000'000;
-constexpr const char* kWaiting = "Waiting for the next session.";
+constexpr const char* kWaiting = translation::Marked("Waiting for the next session.");
 
 fs::path FileOf(const fs::path& scenario) {
   return fs::weakly_canonical(fs::absolute(config::FindConfig(scenario, fs::current_path())));
@@ -25,6 +26,9 @@ fs::path FileOf(const fs::path& scenario) {
 SessionSeries::SessionSeries(const SeriesSettings& settings, RunContext& context,
                              std::ostream& events)
     : settings_(settings), context_(context), events_(events) {
+  if (!settings_.headless) {
+    loading_ = std::make_unique<LoadingScreen>(settings_.console.window);
+  }
   Load(FileOf(settings_.scenario));
   rig_ = std::make_shared<live::Rig>(settings_.devices, live::Rig::Use::kManySessions);
   if (!settings_.headless) OpenWindows();
@@ -32,7 +36,8 @@ SessionSeries::SessionSeries(const SeriesSettings& settings, RunContext& context
 }
 
 void SessionSeries::Load(const fs::path& file) {
-  Patient patient{file, scenario::ReadScenario(file, settings_.overrides), nullptr, context_};
+  Patient patient{file, scenario::ReadScenario(file, settings_.overrides), nullptr,
+                  loading_ ? loading_->Shown(context_) : context_};
   patient.scene = std::make_shared<const simulation::Scene>(
       live::LoadLiveScene(patient.scenario, settings_.devices, patient.context));
   windows_.reset();
@@ -40,9 +45,10 @@ void SessionSeries::Load(const fs::path& file) {
 }
 
 void SessionSeries::OpenWindows() {
-  windows_.emplace(PatientOnDisplayOf(patient_->scenario, *patient_->scene, patient_->context),
-                   settings_.console);
-  windows_->ShowText(kWaiting);
+  const PatientOnDisplay patient =
+      PatientOnDisplayOf(patient_->scenario, *patient_->scene, patient_->context);
+  windows_.emplace(patient, settings_.console, loading_->Release());
+  windows_->ShowText(translation::Translated(kWaiting));
 }
 
 void SessionSeries::Report(const nlohmann::json& event) {
@@ -107,7 +113,7 @@ void SessionSeries::ShowWaiting() {
   if (!windows_ || windows_->closed()) return;
   const std::int64_t now_ns = MonotonicNs();
   if (now_ns - waiting_drawn_ns_ >= kRedrawNs) {
-    windows_->ShowText(kWaiting);
+    windows_->ShowText(translation::Translated(kWaiting));
     waiting_drawn_ns_ = now_ns;
   } else {
     windows_->HandleEvents();

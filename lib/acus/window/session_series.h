@@ -59,6 +59,7 @@ class SessionSeries {
 
   SeriesSettings settings_;
   RunContext& context_;
+  std::unique_ptr<LoadingScreen> loading_;  ///< Of the first patient; null: without windows.
   std::ostream& events_;
   std::optional<Patient> patient_;
   std::shared_ptr<live::Rig> rig_;

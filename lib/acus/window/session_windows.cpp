@@ -1,6 +1,7 @@
 #include "acus/window/session_windows.h"
 
 #include "acus/data/image/png.h"
+#include "acus/window/screen.h"
 
 namespace acus::window {
 namespace {
@@ -20,8 +21,9 @@ WindowSettings OfTrainer(WindowSettings settings, const std::string& views) {
 
 }  // namespace
 
-SessionWindows::SessionWindows(const PatientOnDisplay& patient, const WindowsSettings& settings)
-    : trainee_(patient, With(settings.window, settings.views)) {
+SessionWindows::SessionWindows(const PatientOnDisplay& patient, const WindowsSettings& settings,
+                               std::unique_ptr<Screen> screen)
+    : trainee_(patient, With(settings.window, settings.views), std::move(screen)) {
   if (settings.trainer_views.empty()) return;
   trainer_.emplace(patient, OfTrainer(settings.window, settings.trainer_views));
 }

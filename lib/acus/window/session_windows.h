@@ -22,8 +22,10 @@ struct WindowsSettings {
 class SessionWindows {
  public:
   /// Opens the windows.
+  /// @param screen  For the trainee's window, as Window() takes it.
   /// @throws InputError as Window(), or for a view that does not exist.
-  SessionWindows(const PatientOnDisplay& patient, const WindowsSettings& settings);
+  SessionWindows(const PatientOnDisplay& patient, const WindowsSettings& settings,
+                 std::unique_ptr<Screen> screen = nullptr);
 
   /// Handles the input, then shows a frame; the trainer's window in each third call.
   void Show(const DisplayFrame& frame);

@@ -27,16 +27,17 @@ struct Colour {
   }
 };
 
-/// The appearance of the window: calm, dark, and one meaning for each colour.
+/// The appearance of the window: calm, dark, and one meaning for each colour. States differ for
+/// people with any colour blindness (severity_mark_test), and have marks of their own besides.
 namespace palette {
 inline constexpr Colour kBackground{.red = 15, .green = 19, .blue = 24, .opacity = 255};
 inline constexpr Colour kPanel{.red = 6, .green = 8, .blue = 11, .opacity = 255};
 inline constexpr Colour kRule{.red = 58, .green = 68, .blue = 79, .opacity = 255};
 inline constexpr Colour kText{.red = 218, .green = 224, .blue = 230, .opacity = 255};
 inline constexpr Colour kFaint{.red = 140, .green = 152, .blue = 164, .opacity = 255};
-inline constexpr Colour kGood{.red = 96, .green = 190, .blue = 128, .opacity = 255};
-inline constexpr Colour kWarning{.red = 232, .green = 176, .blue = 72, .opacity = 255};
-inline constexpr Colour kFault{.red = 236, .green = 94, .blue = 80, .opacity = 255};
+inline constexpr Colour kGood{.red = 90, .green = 225, .blue = 150, .opacity = 255};
+inline constexpr Colour kWarning{.red = 248, .green = 195, .blue = 40, .opacity = 255};
+inline constexpr Colour kFault{.red = 245, .green = 72, .blue = 60, .opacity = 255};
 inline constexpr Colour kNeedle{.red = 120, .green = 214, .blue = 226, .opacity = 255};
 inline constexpr Colour kTarget{.red = 250, .green = 210, .blue = 80, .opacity = 255};
 }  // namespace palette

@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "acus/base/translation/translation.h"
 #include "acus/window/command.h"
 #include "acus/window/exercise_panel.h"
 #include "acus/window/orders.h"
+#include "acus/window/severity_mark.h"
 
 namespace acus::window {
 namespace {
+
+using translation::Translated;
 
 /// A lower rate is visible; 29 in place of 30 images/s is not.
 constexpr double kSlowImagesPerS = 27.0;
@@ -29,14 +33,34 @@ void AddFailedSteps(const ExerciseOnDisplay& exercise, std::vector<StatusLine>& 
   for (const ExerciseOnDisplay::Step& step : exercise.steps) {
     if (step.state != training::StepState::kFailed) continue;
     lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(place++),
-                 {.severity = Severity::kWarning, .text = "Failed: " + step.text + "."});
+                 {.severity = Severity::kWarning,
+                  .text = Translated("Failed: {1}.", {Translated(step.text)})});
   }
+}
+
+/// The next step of the exercise as a sentence; empty if there is none.
+std::string NextStepText(const ExerciseOnDisplay& exercise) {
+  if (exercise.next_step) {
+    return Translated("Next: {1}.", {Translated(exercise.steps[*exercise.next_step].text)});
+  }
+  const auto is_done = [](const ExerciseOnDisplay::Step& step) {
+    return step.state == training::StepState::kDone;
+  };
+  const bool all = !exercise.steps.empty() && std::ranges::all_of(exercise.steps, is_done);
+  return all ? Translated("All steps are done: press Q twice to end the session.") : "";
+}
+
+/// What to do now: remove the first obstacle, otherwise the next step of the exercise.
+std::string AdviceOf(const DisplayFrame& frame) {
+  if (!frame.coach.empty()) return frame.coach;
+  return frame.exercise ? NextStepText(*frame.exercise) : "";
 }
 
 /// All lines that fit.
 void DrawLines(const DisplayFrame& frame, const ViewChoice& choice, const Rectangle& place,
                const TextSizes& sizes, Sketch& sketch) {
   const std::vector<StatusLine> lines = LinesToShow(frame, choice);
+  const std::string advice = AdviceOf(frame);
   const bool is_calm = std::ranges::none_of(
       lines, [](const StatusLine& line) { return line.severity >= Severity::kWarning; });
   const int step = sketch.TextHeight(sizes.normal_px) + 7;
@@ -44,13 +68,14 @@ void DrawLines(const DisplayFrame& frame, const ViewChoice& choice, const Rectan
   for (const StatusLine& line : lines) {
     if (row + step > place.top + place.height) break;
     const Colour colour = ColourOf(line.severity);
-    sketch.Dot({place.left + 16.0, row + 0.5 * sketch.TextHeight(sizes.normal_px)}, 5.0, colour);
+    const double half = 0.5 * sketch.TextHeight(sizes.normal_px);
+    DrawMark(line.severity, {place.left + 16.0, row + half}, 0.75 * half, sketch);
     const bool stands_out = line.severity >= Severity::kWarning;
     const TextStyle style{.size_px = sizes.normal_px,
-                          .colour = stands_out                 ? colour
-                                    : line.text == frame.coach ? palette::kNeedle
-                                                               : palette::kText,
-                          .bold = is_calm && line.text == frame.coach};
+                          .colour = stands_out            ? colour
+                                    : line.text == advice ? palette::kNeedle
+                                                          : palette::kText,
+                          .bold = is_calm && line.text == advice};
     const int room = place.width - 40;
     const auto pieces =
         Wrapped(line.text, sizes.normal_px, room - room / 12, sketch);  // Bold is wider.
@@ -63,13 +88,15 @@ void DrawLines(const DisplayFrame& frame, const ViewChoice& choice, const Rectan
 }
 
 void DrawForce(std::string_view name, const std::optional<double>& force_n, double limit_n,
-               const Rectangle& place, const TextSizes& sizes, Sketch& sketch) {
+               bool with_number, const Rectangle& place, const TextSizes& sizes, Sketch& sketch) {
   const bool known = force_n && std::isfinite(*force_n);
   sketch.Text(StatusBarCorner(place.left, place.top), name,
               {.size_px = sizes.small_px, .colour = palette::kFaint});
-  sketch.Text(StatusBarCorner(place.left + place.width, place.top),
-              known ? Digits(*force_n, 2) + " N" : "-",
-              {.size_px = sizes.small_px, .align = Align::kRight});
+  if (with_number) {
+    sketch.Text(StatusBarCorner(place.left + place.width, place.top),
+                known ? Digits(*force_n, 2) + " N" : "-",
+                {.size_px = sizes.small_px, .align = Align::kRight});
+  }
   const Rectangle bar{.left = place.left,
                       .top = place.top + sketch.TextHeight(sizes.small_px) + 3,
                       .width = place.width,
@@ -88,7 +115,7 @@ void DrawDistance(const DisplayFrame& frame, const Rectangle& place, const TextS
                   Sketch& sketch) {
   const auto& distance = frame.tip_to_target_mm;
   const int middle = place.left + place.width / 2;
-  sketch.Text(StatusBarCorner(middle, place.top), "Tip to target",
+  sketch.Text(StatusBarCorner(middle, place.top), Translated("Tip to target"),
               {.size_px = sizes.small_px, .colour = palette::kFaint, .align = Align::kMiddle},
               place.width);
   sketch.Text(StatusBarCorner(middle, place.top + sketch.TextHeight(sizes.small_px) + 3),
@@ -109,40 +136,56 @@ std::string VolumeText(const VolumeReadout& volume) {
   return text;
 }
 
-void DrawNumbers(const DisplayFrame& frame, const ViewChoice& choice,
-                 const std::optional<VolumeReadout>& volume, const Rectangle& place,
-                 const TextSizes& sizes, Sketch& sketch) {
-  const int step = sketch.TextHeight(sizes.small_px) + 4;
-  int row = place.top;
-  const auto line = [&](std::string_view name, const std::string& value, Colour colour) {
-    if (row + step > place.top + place.height) return;
-    const int room = place.width - sketch.TextWidth(value, sizes.small_px) - 6;
+/// Rows of a name on the left and a value on the right.
+class Rows {
+ public:
+  Rows(const Rectangle& place, const TextSizes& sizes, Sketch& sketch)
+      : place_(place), sizes_(sizes), sketch_(sketch), row_(place.top) {}
+
+  void Add(const std::string& name, const std::string& value, Colour colour = palette::kText) {
+    const int step = sketch_.TextHeight(sizes_.small_px) + 4;
+    if (row_ + step > place_.top + place_.height) return;
+    const int room = place_.width - sketch_.TextWidth(value, sizes_.small_px) - 6;
     if (room > 16) {
-      sketch.Text(StatusBarCorner(place.left, row), name,
-                  {.size_px = sizes.small_px, .colour = palette::kFaint}, room);
+      sketch_.Text(StatusBarCorner(place_.left, row_), name,
+                   {.size_px = sizes_.small_px, .colour = palette::kFaint}, room);
     }
-    sketch.Text(StatusBarCorner(place.left + place.width, row), value,
-                {.size_px = sizes.small_px, .colour = colour, .align = Align::kRight});
-    row += step;
-  };
+    sketch_.Text(StatusBarCorner(place_.left + place_.width, row_), value,
+                 {.size_px = sizes_.small_px, .colour = colour, .align = Align::kRight});
+    row_ += step;
+  }
+
+ private:
+  Rectangle place_;
+  TextSizes sizes_;
+  Sketch& sketch_;
+  int row_;
+};
+
+/// What the trainee needs: time, and which tool mouse and keys move.
+void DrawState(const DisplayFrame& frame, const ViewChoice& choice, Rows& rows) {
+  rows.Add(Translated("Time"), ClockText(frame.session_s));
+  rows.Add(Translated("Keys move"),
+           choice.steers_probe ? Translated("the probe") : Translated("the needle"));
+  if (frame.left_handed) rows.Add(Translated("Hands"), Translated("left-handed"));
+  if (frame.breath_held) rows.Add(Translated("Breath"), Translated("held"));
+}
+
+/// What whoever looks after the computer needs.
+void DrawFigures(const DisplayFrame& frame, const std::optional<VolumeReadout>& volume,
+                 Rows& rows) {
   const Latency& latency = frame.latency;
   const auto known = [](double value, int digits, const char* unit) {
     return value > 0.0 && std::isfinite(value) ? Digits(value, digits) + unit : std::string("-");
   };
-  line("Time", ClockText(frame.session_s), palette::kText);
-  line("Device to force", known(latency.device_to_force_ms, 2, " ms"), palette::kText);
-  line("Tracker to image", known(latency.tracker_to_image_ms, 0, " ms"), palette::kText);
+  rows.Add("Device to force", known(latency.device_to_force_ms, 2, " ms"));
+  rows.Add("Tracker to image", known(latency.tracker_to_image_ms, 0, " ms"));
   const bool slow = latency.images_per_s > 0.0 && latency.images_per_s < kSlowImagesPerS;
   std::string images = known(latency.images_per_s, 0, " /s");
   if (latency.late_images > 0) images += ", " + std::to_string(latency.late_images) + " late";
-  line("Images", images, slow ? palette::kWarning : palette::kText);
-  if (frame.video) {
-    line("Camera", std::to_string(latency.dropped_of_camera) + " dropped", palette::kText);
-  }
-  if (volume) line("Volume", VolumeText(*volume), palette::kText);
-  std::string hands = frame.left_handed ? "left-handed" : "right-handed";
-  if (frame.breath_held) hands += ", breath held";
-  line(choice.steers_probe ? "Mouse: probe" : "Mouse: needle", hands, palette::kFaint);
+  rows.Add("Images", images, slow ? palette::kWarning : palette::kText);
+  if (frame.video) rows.Add("Camera", std::to_string(latency.dropped_of_camera) + " dropped");
+  if (volume) rows.Add("Volume", VolumeText(*volume));
 }
 
 }  // namespace
@@ -150,34 +193,20 @@ void DrawNumbers(const DisplayFrame& frame, const ViewChoice& choice,
 std::vector<StatusLine> LinesToShow(const DisplayFrame& frame, const ViewChoice& choice) {
   std::vector<StatusLine> lines = frame.status;
   if (choice.quit_asked) {
-    lines.insert(lines.begin(),
-                 {.severity = Severity::kFault, .text = "Press Q again to end the session."});
+    lines.insert(lines.begin(), {.severity = Severity::kFault,
+                                 .text = Translated("Press Q again to end the session.")});
   }
   if (frame.exercise) AddFailedSteps(*frame.exercise, lines);
-  if (!frame.coach.empty()) {
-    lines.insert(lines.begin(), {.severity = Severity::kNote, .text = frame.coach});
+  if (const std::string advice = AdviceOf(frame); !advice.empty()) {
+    lines.insert(lines.begin(), {.severity = Severity::kNote, .text = advice});
   } else if (lines.empty()) {
-    lines.push_back({.severity = Severity::kGood, .text = "All is well."});
+    lines.push_back({.severity = Severity::kGood, .text = Translated("All is well.")});
   }
   // Good states come after messages, faults before.
   std::ranges::stable_sort(lines, std::ranges::greater(), [](const StatusLine& line) {
     return std::max(line.severity, Severity::kNote);
   });
   return lines;
-}
-
-Colour ColourOf(Severity severity) noexcept {
-  switch (severity) {
-    case Severity::kGood:
-      return palette::kGood;
-    case Severity::kNote:
-      return palette::kFaint;
-    case Severity::kWarning:
-      return palette::kWarning;
-    case Severity::kFault:
-      return palette::kFault;
-  }
-  return palette::kText;
 }
 
 void DrawStatusBar(const DisplayFrame& frame, const ViewChoice& choice,
@@ -195,23 +224,29 @@ void DrawStatusBar(const DisplayFrame& frame, const ViewChoice& choice,
   part.width = numbers_width;
   part.top += 8;
   part.height -= 10;
-  DrawNumbers(frame, choice, volume, part, sizes, sketch);
+  Rows rows(part, sizes, sketch);
+  DrawState(frame, choice, rows);
+  if (choice.figures) {
+    DrawFigures(frame, volume, rows);
+  } else {
+    rows.Add(Translated("Keys"), "H");
+    rows.Add(Translated("Figures"), "E");
+  }
   part.left -= middle_width + 28;
   part.width = middle_width;
-  DrawForce("Needle", frame.force.needle_n, frame.force.limit_n, part, sizes, sketch);
+  DrawForce(Translated("Needle"), frame.force.needle_n, frame.force.limit_n, choice.figures, part,
+            sizes, sketch);
   part.top += sketch.TextHeight(sizes.small_px) + 16;
   if (frame.force.plunger_n) {
-    DrawForce("Plunger (I)", frame.force.plunger_n, kMostThumbN, part, sizes, sketch);
+    DrawForce(Translated("Plunger (I)"), frame.force.plunger_n, kMostThumbN, choice.figures, part,
+              sizes, sketch);
   } else {
-    DrawForce("Probe", frame.force.probe_n, frame.force.limit_n, part, sizes, sketch);
+    DrawForce(Translated("Probe"), frame.force.probe_n, frame.force.limit_n, choice.figures, part,
+              sizes, sketch);
   }
   part.top = place.top + 12;
   part.left -= middle_width + 20;
   DrawDistance(frame, part, sizes, sketch);
-  const int help_row = place.top + place.height - sketch.TextHeight(sizes.small_px) - 8;
-  sketch.Text(StatusBarCorner(part.left + part.width / 2, help_row), "H: keys",
-              {.size_px = sizes.small_px, .colour = palette::kFaint, .align = Align::kMiddle},
-              part.width);
   Rectangle lines = place;
   lines.width = part.left - 12;
   DrawLines(frame, choice, lines, sizes, sketch);
@@ -239,14 +274,17 @@ void DrawHelp(const Rectangle& window, const TextSizes& sizes, Sketch& sketch) {
                 page.left + page.width - text_column - 16);
     row += step;
   };
-  sketch.Text(StatusBarCorner(key_column, row), "Keys", {.size_px = sizes.large_px, .bold = true});
+  sketch.Text(StatusBarCorner(key_column, row), Translated("Keys"),
+              {.size_px = sizes.large_px, .bold = true});
   row += sketch.TextHeight(sizes.large_px, true) + 10;
-  for (const KeyHelp& key : Keys()) line(key.keys, key.text);
-  line("Space", "pedal: forces are on while it is held, where a pedal is required");
+  for (const KeyHelp& key : Keys()) line(key.keys, Translated(key.text));
+  line(Translated("Space"),
+       Translated("pedal: forces are on while it is held, where a pedal is required"));
   row += step / 3;
-  line("Mouse", "in 3D: left turns, middle shifts, right and wheel zoom");
-  line("", "elsewhere: left moves the tool, right turns it, wheel advances it");
-  line("Arrows", "move the tool; Page Down and Page Up advance it; Shift: finely");
+  line(Translated("Mouse"), Translated("in 3D: left turns, middle shifts, right and wheel zoom"));
+  line("", Translated("elsewhere: left moves the tool, right turns it, wheel advances it"));
+  line(Translated("Arrows"),
+       Translated("move the tool; Page Down and Page Up advance it; Shift: finely"));
 }
 
 }  // namespace acus::window

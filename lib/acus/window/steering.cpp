@@ -114,6 +114,8 @@ void Steering::Letter(char letter, bool shift, std::span<const ViewKind> shown) 
       return add(shift ? Command::kEasePlunger : Command::kPressPlunger);
     case 'b':
       return add(Command::kHoldBreath);
+    case 'u':
+      return add(Command::kUndo);
     case 'w':
       return add(Command::kSwapHands);
     case 'v':
@@ -130,6 +132,9 @@ void Steering::Letter(char letter, bool shift, std::span<const ViewKind> shown) 
     case 's':
       choice_.stereo = static_cast<Stereo>((static_cast<int>(choice_.stereo) + 1) % kNumStereo);
       return add(Command::kStereo);
+    case 'e':
+      choice_.figures = !choice_.figures;
+      return add(Command::kFigures);
     case 'h':
       choice_.help = !choice_.help;
       return add(Command::kHelp);

@@ -33,6 +33,7 @@ struct ViewChoice {
   double overlay_share = 0.7;  ///< 0 is the video alone.
   bool needle_guide = true;
   bool help = false;
+  bool figures = false;     ///< Delays, rates and forces as numbers.
   bool quit_asked = false;  ///< After the first time: a second one ends the session.
   bool steers_probe = false;
   VolumeChoice volume;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "acus/base/core/error.h"
+#include "acus/base/translation/translation.h"
 #include "acus/imaging/graphics/shader_rays.h"
 #include "acus/window/exercise_panel.h"
 #include "acus/window/image_layer.h"
@@ -18,6 +19,8 @@
 
 namespace acus::window {
 namespace {
+
+using translation::Translated;
 
 void Check(const WindowSettings& settings) {
   ACUS_REQUIRE(settings.width_px >= 320 && settings.height_px >= 240 && settings.width_px <= 8192 &&
@@ -125,7 +128,8 @@ bool IsListed(const WindowSettings& settings, ViewKind kind) {
 struct Window::Content {
   WindowSettings settings;
   std::vector<VolumeLook> looks;
-  Screen screen;
+  std::unique_ptr<Screen> owned_screen;
+  Screen& screen;
   FontAtlas atlas;
   Sketch sketch{atlas};
   ImageLayer images;
@@ -141,10 +145,12 @@ struct Window::Content {
   long frames = 0;
   bool eye_is_placed = false;
 
-  Content(const PatientOnDisplay& patient, const WindowSettings& s)
+  Content(const PatientOnDisplay& patient, const WindowSettings& s, std::unique_ptr<Screen> opened)
       : settings(s),
         looks(patient.in_volume_view),
-        screen(s.title, s.width_px, s.height_px),
+        owned_screen(opened ? std::move(opened)
+                            : std::make_unique<Screen>(s.title, s.width_px, s.height_px)),
+        screen(*owned_screen),
         teaching(patient.in_teaching_view, s.max_triangles),
         orbit(BoxOf(teaching.box_in_ct_mm(), looks)),
         video(patient.in_overlay, teaching.skin(),
@@ -242,9 +248,9 @@ struct Window::Content {
     images.Show(seen.image, seen.camera, seen.distortion, fit);
     video.Update(frame, fit, WindowPlace(), steering.choice().overlay_share);
     const int percent = static_cast<int>(std::lround(100.0 * steering.choice().overlay_share));
-    DrawTitle("Camera",
+    DrawTitle(Translated(TitleOf(ViewKind::kVideo)),
               seen.pose_valid ? "CT " + std::to_string(percent) + " %"
-                              : std::string("patient's marker not seen"),
+                              : Translated("patient's marker not seen"),
               place, sizes, sketch);
     DrawVideoMarks(frame, fit, sketch);
   }
@@ -265,7 +271,7 @@ struct Window::Content {
     PlaneOnScreen plane = has_plane ? PlaneIn(frame, room) : PlaneOnScreen{};
     if (!has_plane) plane.place = Fit(room, frame.ct_slice.width, frame.ct_slice.height);
     images.Show(ViewKind::kCtSlice, frame.ct_slice, plane.place);
-    DrawTitle(TitleOf(ViewKind::kCtSlice), "", place, sizes, sketch);
+    DrawTitle(Translated(TitleOf(ViewKind::kCtSlice)), "", place, sizes, sketch);
     if (has_plane && frame.ct_from_probe) DrawSliceMarks(frame, plane, sketch);
   }
 
@@ -280,15 +286,16 @@ struct Window::Content {
     } else {
       show(effect.pixels.gray);
     }
-    DrawTitle(effect.title, "", place, sizes, sketch);
+    DrawTitle(Translated(std::string(effect.title)), "", place, sizes, sketch);
   }
 
   void DrawTeaching(const DisplayFrame& frame, const TextSizes& sizes) {
     const Rectangle place = PlaceOf(ViewKind::kTeaching);
     if (place.empty()) return teaching.Hide();
     if (frames % settings.teaching_view_each == 0) teaching.Update(frame);
-    teaching.SetPlace(place, WindowPlace(), orbit, StereoNow());
-    DrawTitle(TitleOf(ViewKind::kTeaching), StereoText(), place, sizes, sketch);
+    teaching.SetPlace(ImageRoom(ViewKind::kTeaching, place, sizes), WindowPlace(), orbit,
+                      StereoNow());
+    DrawTitle(Translated(TitleOf(ViewKind::kTeaching)), StereoText(), place, sizes, sketch);
   }
 
   /// The chosen mode, if the driver has it.
@@ -314,16 +321,18 @@ struct Window::Content {
 
   void DrawVolume(const DisplayFrame& frame, const TextSizes& sizes) {
     const Rectangle place = PlaceOf(ViewKind::kVolume);
+    const Rectangle room = ImageRoom(ViewKind::kVolume, place, sizes);
     const VolumeChoice& choice = steering.choice().volume;
-    volume.Update(frame, place, orbit, choice);
+    volume.Update(frame, room, orbit, choice);
     if (place.empty()) return images.Hide(ViewKind::kVolume);
     const image::ColourImage& image = volume.image();
     if (IsWhole(image)) {
-      images.Show(ViewKind::kVolume, image, Fit(place, image.width, image.height));
+      images.Show(ViewKind::kVolume, image, Fit(room, image.width, image.height));
     } else {
       images.Hide(ViewKind::kVolume);
     }
-    DrawTitle(TitleOf(ViewKind::kVolume), volume.TitleDetail(choice), place, sizes, sketch);
+    DrawTitle(Translated(TitleOf(ViewKind::kVolume)), volume.TitleDetail(choice), place, sizes,
+              sketch);
   }
 
   static PlaneOnScreen PlaneIn(const DisplayFrame& frame, const Rectangle& room) {
@@ -363,9 +372,10 @@ struct Window::Content {
   }
 };
 
-Window::Window(const PatientOnDisplay& patient, const WindowSettings& settings) {
+Window::Window(const PatientOnDisplay& patient, const WindowSettings& settings,
+               std::unique_ptr<Screen> screen) {
   Check(settings);
-  content_ = std::make_unique<Content>(patient, settings);
+  content_ = std::make_unique<Content>(patient, settings, std::move(screen));
 }
 
 Window::~Window() = default;

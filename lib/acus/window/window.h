@@ -17,6 +17,8 @@
 
 namespace acus::window {
 
+class Screen;
+
 struct WindowSettings {
   std::string title = "Acus";
   int width_px = 1280;
@@ -48,8 +50,10 @@ struct WindowSettings {
 class Window {
  public:
   /// Opens the window.
+  /// @param screen  Of a LoadingScreen that showed the preparation; null: a new one.
   /// @throws InputError if there is no display, or a setting or surface is not usable.
-  Window(const PatientOnDisplay& patient, const WindowSettings& settings);
+  Window(const PatientOnDisplay& patient, const WindowSettings& settings,
+         std::unique_ptr<Screen> screen = nullptr);
   ~Window();
   Window(Window&&) noexcept;
   Window& operator=(Window&&) noexcept;

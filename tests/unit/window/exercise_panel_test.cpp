@@ -66,5 +66,46 @@ TEST(LinesToShow, DangerComesBeforeAdvice) {
                                    "Images come from another computer."));
 }
 
+TEST(LinesToShow, WhatToDoNowIsTheNextStepWhereNothingIsInTheWay) {
+  DisplayFrame frame;
+  frame.exercise.emplace();
+  frame.exercise->steps = {{"Place the probe", StepState::kDone},
+                           {"Puncture the skin", StepState::kOpen}};
+  frame.exercise->next_step = 1;
+  EXPECT_THAT(TextsOf(LinesToShow(frame, {})), testing::ElementsAre("Next: Puncture the skin."));
+  frame.coach = "Slide the probe.";
+  EXPECT_THAT(TextsOf(LinesToShow(frame, {})), testing::ElementsAre("Slide the probe."));
+  frame.coach.clear();
+  frame.exercise->steps[1].state = StepState::kDone;
+  frame.exercise->next_step.reset();
+  EXPECT_THAT(TextsOf(LinesToShow(frame, {})),
+              testing::ElementsAre("All steps are done: press Q twice to end the session."));
+}
+
+TEST(StatusBar, FiguresForEngineersNeedAKey) {
+  const FontAtlas atlas;
+  DisplayFrame frame;
+  frame.latency = {.device_to_force_ms = 0.3, .tracker_to_image_ms = 48.0, .images_per_s = 30.0};
+  frame.force = {.needle_n = 1.0, .probe_n = 2.0, .limit_n = 5.0};
+  const auto letters = [&](const ViewChoice& choice) {
+    Sketch sketch(atlas);
+    DrawStatusBar(frame, choice, std::nullopt, {.left = 0, .top = 0, .width = 1280, .height = 106},
+                  SizesFor(800), sketch);
+    return sketch.vertices();
+  };
+  ViewChoice with_figures;
+  with_figures.figures = true;
+  EXPECT_GT(letters(with_figures).size(), letters({}).size() + 4 * 40);
+  // The trainee's bar does not depend on them.
+  const auto before = letters({});
+  frame.latency = {.device_to_force_ms = 9.9, .tracker_to_image_ms = 1.0, .images_per_s = 3.0};
+  const auto after = letters({});
+  ASSERT_EQ(before.size(), after.size());
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    EXPECT_EQ(before[i].u, after[i].u);
+    EXPECT_EQ(before[i].x, after[i].x);
+  }
+}
+
 }  // namespace
 }  // namespace acus::window

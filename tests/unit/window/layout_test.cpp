@@ -4,6 +4,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/window/command.h"
+#include "acus/window/marks.h"
 
 namespace acus::window {
 namespace {
@@ -61,6 +62,22 @@ TEST(Layout, OfThreeViewsSquareImagesFillMoreThanInRows) {
   for (const int other : {1, 2}) {
     EXPECT_GE(Fit(layout.views[static_cast<std::size_t>(other)].place, 1.0, 1.0).width, 340);
   }
+}
+
+TEST(Layout, TitlesAreNotPrintedOverImages) {
+  const TextSizes sizes = SizesFor(800);
+  const Rectangle place{.left = 100, .top = 50, .width = 400, .height = 300};
+  for (const ViewKind kind : kViewKinds) {
+    const Rectangle image = ImageRoom(kind, place, sizes);
+    EXPECT_GE(image.top, place.top + 5 + sizes.normal_px) << TitleOf(kind);
+    EXPECT_LE(image.top + image.height, place.top + place.height);
+  }
+}
+
+TEST(Layout, TheFirstOfThreeImagesIsTheLargestPartOfTheWindow) {
+  const Layout layout = LayOut(1280, 800, FirstKinds(3), {}, true);
+  EXPECT_GE(layout.views[0].place.width, 630);
+  EXPECT_LE(layout.exercise.width, 290);
 }
 
 TEST(Layout, ViewsAreChosenByName) {

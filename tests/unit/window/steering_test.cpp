@@ -53,6 +53,8 @@ TEST_F(SteeringTest, KeysGiveTheirCommands) {
                                             {"o", false, Command::kOverlayMore},
                                             {"O", true, Command::kOverlayLess},
                                             {"n", false, Command::kNeedleGuide},
+                                            {"u", false, Command::kUndo},
+                                            {"e", false, Command::kFigures},
                                             {"s", false, Command::kStereo},
                                             {"h", false, Command::kHelp},
                                             {"m", false, Command::kVolume},

@@ -233,9 +233,10 @@ TEST_F(WindowTest, TheVolumeViewShowsABallWhereItIs) {
     const Eigen::Array3i corner(n & 1, (n >> 1) & 1, n >> 2);
     box.extend(grid.ct_from_index() * (corner * (grid.size - 1)).cast<double>().matrix());
   }
-  const auto camera = Orbit(box).CameraFor(view->place.width, view->place.height);
+  const Rectangle place = ImageRoom(ViewKind::kVolume, view->place, SizesFor(800));
+  const auto camera = Orbit(box).CameraFor(place.width, place.height);
   const Eigen::Vector2d expected = camera.ProjectPx(kBallMm) + Eigen::Vector2d(0.5, 0.5) +
-                                   Eigen::Vector2d(view->place.left, view->place.top);
+                                   Eigen::Vector2d(place.left, place.top);
   const Shot shot{window.Screenshot()};
   const Eigen::Vector2d seen = shot.MiddleNear(expected, 140, 75);
   EXPECT_LT((seen - expected).norm(), 3.0) << seen.transpose() << "; " << expected.transpose();

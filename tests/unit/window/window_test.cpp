@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "acus/base/core/error.h"
+#include "acus/window/loading_screen.h"
 #include "acus/window/screen.h"
 #include "support/stereo_visuals.h"
 #include "support/window_events.h"
@@ -50,6 +51,28 @@ TEST_F(WindowTest, EveryViewShowsItsImage) {
     EXPECT_GT(shot.Count(title, [](int r, int, int) { return r > 190; }), 30)
         << "title of " << TitleOf(view.kind);
   }
+}
+
+TEST_F(WindowTest, OpensBeforeThePatientIsThereAndShowsHowFarThatIs) {
+  LoadingScreen loading(Settings());
+  RunContext context = loading.Shown(RunContext());
+  context.on_progress("reading the CT", 0.5);
+  std::unique_ptr<Screen> screen = loading.Release();
+  const auto bright = [](const image::ColourImage& image) {
+    return Shot{image}.Count({.left = 300, .top = 300, .width = 680, .height = 150},
+                             [](int r, int, int) { return r > 150; });
+  };
+  const auto bar = [](const image::ColourImage& image) {
+    return Shot{image}.Count({.left = 400, .top = 380, .width = 480, .height = 60}, IsCyan);
+  };
+  const image::ColourImage shown = screen->Screenshot();
+  EXPECT_GT(bright(shown), 800) << "texts";
+  EXPECT_NEAR(bar(shown), 213 * 6, 80) << "half of the bar";
+  context.on_progress("reading the CT", 1.0);  // Nothing is drawn any more.
+  Window window(Patient(), Settings(), std::move(screen));
+  window.Show(Frame());
+  EXPECT_EQ(window.layout().views.size(), 5U);
+  EXPECT_EQ(bar(window.Screenshot()), 0);
 }
 
 TEST_F(WindowTest, WhatIsNotThereLeavesItsPlaceToTheOthers) {

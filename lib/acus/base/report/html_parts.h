@@ -5,49 +5,8 @@
 
 namespace acus::report {
 
-inline constexpr std::string_view kStyleSheet = R"css(
-:root { color-scheme: light dark; --ink: #1c1e21; --paper: #ffffff; --soft: #f4f5f7;
-  --rule: #d5d8dd; --quiet: #5b626b; --link: #0b5cad; --alert: #8a4b00; --alert-paper: #fff4e0; }
-@media (prefers-color-scheme: dark) { :root { --ink: #e4e6e9; --paper: #17191c; --soft: #22262b;
-  --rule: #3a4048; --quiet: #a2aab4; --link: #7db8f5; --alert: #ffd08a; --alert-paper: #3a2c12; } }
-* { box-sizing: border-box; }
-body { margin: 0 auto; max-width: 62rem; padding: 1.5rem 1.25rem 3rem; color: var(--ink);
-  background: var(--paper); font: 16px/1.5 "DejaVu Sans", Helvetica, Arial, sans-serif; }
-h1 { font-size: 1.6rem; line-height: 1.2; margin: 0 0 .2rem; }
-h2 { font-size: 1.2rem; margin: 2.2rem 0 .6rem; padding-bottom: .2rem;
-  border-bottom: 1px solid var(--rule); }
-.subtitle { color: var(--quiet); margin: 0 0 1rem; }
-a { color: var(--link); }
-nav { background: var(--soft); border-radius: 6px; padding: .6rem 1rem; margin: 1rem 0; }
-nav ul { list-style: none; margin: 0; padding: 0; display: flex; flex-wrap: wrap;
-  gap: .2rem 1.4rem; }
-.warnings { background: var(--alert-paper); border-left: 4px solid var(--alert); margin: 1rem 0;
-  padding: .6rem 1rem; }
-.warnings ul { margin: .3rem 0 0; padding-left: 1.2rem; }
-.scroll { overflow-x: auto; }
-table { border-collapse: collapse; font-size: .9rem; margin: .4rem 0 1rem; }
-caption { text-align: left; color: var(--quiet); padding-bottom: .3rem; }
-th, td { padding: .28rem .8rem; border-bottom: 1px solid var(--rule); text-align: left;
-  vertical-align: top; }
-thead th { background: var(--soft); }
-td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
-dl { display: grid; grid-template-columns: max-content 1fr; gap: .2rem 1.2rem;
-  margin: .4rem 0 1rem; }
-dt { color: var(--quiet); }
-dd { margin: 0; overflow-wrap: anywhere; }
-figure { margin: .8rem 0 1.2rem; position: relative; }
-figure svg, figure img, figure video { max-width: 100%; height: auto; display: block; }
-figure svg { border-radius: 4px; }
-figcaption { color: var(--quiet); font-size: .88rem; margin-top: .3rem; }
-.reading { position: absolute; pointer-events: none; background: #ffffff; color: #1c1e21;
-  border: 1px solid #888888; border-radius: 4px; font-size: .78rem; padding: .2rem .5rem;
-  white-space: pre; box-shadow: 0 1px 4px #0004; z-index: 1; }
-pre { background: var(--soft); padding: .7rem 1rem; overflow-x: auto; font-size: .8rem;
-  border-radius: 6px; white-space: pre-wrap; overflow-wrap: anywhere; }
-@media print { :root { --ink: #000; --paper: #fff; --soft: #fff; --quiet: #333; --link: #000;
-  --alert: #000; --alert-paper: #fff; } body { max-width: none; font-size: 10pt; padding: 0; }
-  nav, video { display: none; } h2 { break-after: avoid; } figure, tr { break-inside: avoid; } }
-)css";
+/// pipelines/common/page.css: the style sheet of all pages, compiled into the library.
+std::string_view StyleSheet();
 
 // Everything that it needs stands in the plot: data-frame in pixels, data-x and data-y in values.
 inline constexpr std::string_view kReadingScript = R"js(

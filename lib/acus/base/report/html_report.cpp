@@ -117,7 +117,7 @@ std::string HtmlReport::Text() const {
   std::string text = Message(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>",
-      Escaped(title_), "</title>\n<style>", kStyleSheet,
+      Escaped(title_), "</title>\n<style>", StyleSheet(),
       "</style>\n</head>\n<body>\n<header>\n<h1>", Escaped(title_), "</h1>\n");
   if (!subtitle_.empty()) text += Message("<p class=\"subtitle\">", Escaped(subtitle_), "</p>\n");
   text += "</header>\n";

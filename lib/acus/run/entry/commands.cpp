@@ -26,6 +26,7 @@ constexpr Command kCommands[] = {
     {"register", CommandKind::kProgram, "Landmarks, tools and images to the CT"},
     {"replay", CommandKind::kProgram, "A session through a scenario: images, forces, report"},
     {"rf", CommandKind::kProgram, "Raw ultrasound data: simulate, read, beamform"},
+    {"launcher", CommandKind::kProgram, "A window that starts sessions"},
     {"live", CommandKind::kProgram, "A session with devices and windows"},
     {"devices", CommandKind::kProgram, "Stand in for trackers and cameras"},
     {"compare", CommandKind::kProgram, "Two runs against tolerances"},

@@ -4,6 +4,7 @@
 
 #include "acus/base/core/monotonic_time.h"
 #include "acus/base/core/text_table.h"
+#include "acus/base/translation/translation.h"
 #include "acus/run/live/live_session.h"
 #include "acus/scene/simulation/plan_json.h"
 
@@ -12,6 +13,7 @@ namespace {
 
 using haptics::DeviceState;
 using nlohmann::json;
+using translation::Translated;
 
 /// Share of late steps in the last seconds up to which no warning is shown.
 constexpr double kLateStepsShare = 1e-3;
@@ -80,26 +82,31 @@ void AddDevice(const haptics::HapticDevice& device, std::vector<StatusLine>& lin
   if (status.state == DeviceState::kFailed || status.state == DeviceState::kRecovering) {
     lines.push_back({Severity::kFault, status.text});
   } else if (status.guard.IsActing(haptics::GuardAct::kDeadManOpen)) {
-    lines.push_back({Severity::kNote, device.info().name + ": no force until its switch is held."});
+    lines.push_back({Severity::kNote,
+                     Translated("{1}: no force until its switch is held.", {device.info().name})});
   }
 }
 
 void AddStop(StopKind stop, std::vector<StatusLine>& lines) {
   if (stop == StopKind::kBone) {
     lines.push_back({Severity::kWarning,
-                     "Bone: the needle does not advance. Withdraw it, and change its direction."});
+                     Translated("Bone: the needle does not advance. Withdraw it, and change its "
+                                "direction.")});
   } else if (stop == StopKind::kHub) {
     lines.push_back(
-        {Severity::kWarning, "The hub is at the skin: the needle is inserted to its full length."});
+        {Severity::kWarning,
+         Translated("The hub is at the skin: the needle is inserted to its full length.")});
   }
 }
 
 void AddRemote(const RemoteImages& remote, std::vector<StatusLine>& lines) {
   if (remote.works()) {
-    lines.push_back({Severity::kNote, Message("Images come from ", remote.place(), ", ",
-                                              RoundedText(remote.age_ms(), 2), " ms old.")});
+    lines.push_back(
+        {Severity::kNote, Translated("Images come from {1}, {2} ms old.",
+                                     {remote.place(), RoundedText(remote.age_ms(), 2)})});
   } else if (const std::string trouble = remote.trouble(); !trouble.empty()) {
-    lines.push_back({Severity::kWarning, "Images are made on this computer: " + trouble + "."});
+    lines.push_back(
+        {Severity::kWarning, Translated("Images are made on this computer: {1}.", {trouble})});
   }
 }
 
@@ -120,7 +127,8 @@ std::vector<StatusLine> LiveSession::Status() const {
   }
   if (remote_) AddRemote(*remote_, lines);
   if (voice_ && !voice_->trouble().empty()) {
-    lines.push_back({Severity::kWarning, "The patient is not heard: " + voice_->trouble()});
+    lines.push_back(
+        {Severity::kWarning, Translated("The patient is not heard: {1}", {voice_->trouble()})});
   }
   const std::int64_t now_ns = MonotonicNs();
   for (std::size_t t = 0; t < rig_->trackers().size(); ++t) {
@@ -136,9 +144,11 @@ std::vector<StatusLine> LiveSession::Status() const {
       const tracking::TrackedPose pose = board.Latest(i);
       if (pose.valid && pose.AgeNs(now_ns) < 200'000'000) continue;
       const std::string why = i < status.why_not_seen.size() ? status.why_not_seen[i] : "";
-      lines.push_back({Severity::kWarning,
-                       Message("The tracker ", rig_->trackers()[t]->name(), " does not see the ",
-                               board.tools()[i], why.empty() ? "" : ": ", why, ".")});
+      lines.push_back(
+          {Severity::kWarning,
+           Translated("The tracker {1} does not see the {2}.",
+                      {rig_->trackers()[t]->name(),
+                       why.empty() ? board.tools()[i] : board.tools()[i] + ": " + why})});
     }
   }
   const std::int64_t late = recent_late_steps_.recent();

@@ -21,8 +21,11 @@ std::string WithUnit(const std::string& name, const std::string& unit) {
 }
 
 std::string ValueText(const GoalResult& result) {
-  return Message(result.value ? RoundedText(*result.value, 3) : "-", result.met ? "" : " !");
+  if (!result.value) return "-";
+  return Message(RoundedText(*result.value, 3), result.met ? "" : " !");
 }
+
+constexpr const char* kSigns = "! goal not met, - no value: no insertion, or not reached";
 
 std::string TraineeOf(const Assessment& session) {
   return session.trainee.empty() ? "-" : session.trainee;
@@ -142,7 +145,7 @@ std::vector<Assessment> ReadAssessments(std::span<const fs::path> runs) {
 }
 
 std::string ProgressText(std::span<const Assessment> sessions) {
-  return TextTable(Header(sessions.front()), Rows(sessions)) + "! goal not met\n";
+  return TextTable(Header(sessions.front()), Rows(sessions)) + kSigns + "\n";
 }
 
 void WriteProgress(const fs::path& folder, std::span<const Assessment> sessions,
@@ -151,7 +154,7 @@ void WriteProgress(const fs::path& folder, std::span<const Assessment> sessions,
   WriteTextFile(folder / "progress.csv", CsvText(sessions));
   report::HtmlReport html(sessions.front().exercise, "Progress from session to session");
   html.Section("Sessions");
-  html.Table(Header(sessions.front()), Rows(sessions), "! goal not met");
+  html.Table(Header(sessions.front()), Rows(sessions), kSigns);
   if (add_sections) add_sections(html);
   html.Section("Goals");
   for (std::size_t goal = 0; goal < sessions.front().goals.size(); ++goal) {
