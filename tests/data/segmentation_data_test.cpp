@@ -78,7 +78,7 @@ TEST(RealPatients, TotalSegmentatorExampleAtThreeMillimetres) {
   const auto all = CompareWithReference(
       labels, {*reference, ACUS_SOURCE_DIR "/configs/label_maps/totalsegmentator.json"},
       TwoThreads());
-  EXPECT_GE(Of(all, "bone").dice, 0.85);
+  EXPECT_GE(Of(all, "bone").dice, 0.90);
   EXPECT_GE(Of(all, "lung").dice, 0.93);
   // The reference has no body, but all of it lies in one.
   const auto values = volume::ReadIntegerVolume(*reference);

@@ -1,6 +1,7 @@
 // What a segmentation is worth: tables in Markdown for docs/models/segmentation.md, from labelled
 // CTs and transformed copies of them.
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cmath>
 #include <iostream>
 #include <map>
@@ -13,8 +14,11 @@
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/patient/atlas/atlas_organs.h"
+#include "acus/patient/phantom/anatomy/imaging.h"
+#include "acus/patient/phantom/anatomy/phantom_config.h"
 #include "acus/patient/segmentation/import/label_mapping.h"
 #include "acus/patient/segmentation/patient_segmentation.h"
+#include "acus/patient/segmentation/preview.h"
 #include "acus/patient/segmentation/voxels/metrics.h"
 #include "support/shared_data.h"
 #include "support/transformed_ct.h"
@@ -129,6 +133,43 @@ std::string Agreement(const Mask& ours, const Mask& theirs, int num_threads) {
                  FixedText(segmentation::SurfaceDistance95Mm(ours, theirs, num_threads), 1), ")");
 }
 
+/// A part that was found, with a reference.
+struct Case {
+  std::string part;
+  bool has_doubt, is_right;
+  bool is_held_back;  ///< Not used for the certainty that is stated.
+};
+
+void AddCase(const segmentation::SegmentedPatient& found, const std::string& part,
+             const Mask& theirs, bool is_held_back, std::vector<Case>& cases) {
+  const Mask ours = MaskOf(found.labels, volume::LabelOf(part));
+  if (segmentation::Count(ours) == 0 || segmentation::Count(theirs) == 0) return;
+  const auto stated = std::ranges::find(found.parts, part, &segmentation::PartQuality::name);
+  if (stated == found.parts.end()) return;
+  cases.push_back(
+      {part, !stated->is_sure, segmentation::Dice(ours, theirs) >= kRightDice, is_held_back});
+}
+
+/// What is stated for a part with and without doubts, and how often it is right in the other half.
+void PrintCertainty(const std::vector<Case>& cases) {
+  std::cout << "\n| part | doubts | right, half used | certainty | right, half held back |\n"
+               "|---|---|---|---|---|\n";
+  for (const char* part : {"bone", "spinal_canal", "disc"}) {
+    for (const bool has_doubt : {false, true}) {
+      std::array<int, 2> right{}, all{};
+      for (const Case& one : cases) {
+        if (one.part != part || one.has_doubt != has_doubt) continue;
+        const std::size_t half = one.is_held_back ? 1 : 0;
+        ++all[half];
+        right[half] += one.is_right ? 1 : 0;
+      }
+      std::cout << Message("| ", part, " | ", has_doubt ? "some" : "none", " | ", right[0], " of ",
+                           all[0], " | ", FixedText((right[0] + 1.0) / (all[0] + 2.0), 2), " | ",
+                           right[1], " of ", all[1], " |\n");
+    }
+  }
+}
+
 struct Names {
   int right = 0, wrong = 0, unnamed = 0;
 };
@@ -182,16 +223,39 @@ void Print(const std::vector<std::string>& cells) {
   std::cout << "|" << std::endl;
 }
 
+/// Three images, the sagittal one through the canal, named after the patient and the copy.
+void Draw(const std::filesystem::path& folder, const std::string& name, const Copy& copy,
+          const volume::LabelMap& labels) {
+  if (folder.empty()) return;
+  using segmentation::Plane;
+  Eigen::Array3i at = segmentation::BodyCentre(labels);
+  const auto box = segmentation::BoundsOf(MaskOf(labels, volume::LabelOf("spinal_canal")));
+  if (!box.empty()) at[0] = (box.low[0] + box.high[0]) / 2;
+  std::string stem = name + "_" + copy.name;
+  std::ranges::replace(stem, ' ', '_');
+  for (const auto& [plane, text] : {std::pair{Plane::kAxial, "_axial.png"},
+                                    {Plane::kCoronal, "_coronal.png"},
+                                    {Plane::kSagittal, "_sagittal.png"}}) {
+    segmentation::WritePreview(folder / (stem + text), copy.ct.ct, labels, plane, at);
+  }
+}
+
 /// Bone, lung, canal and names in all copies of a patient.
-void MeasureTissues(Patient& patient, Names& all, const RunContext& context) {
+void MeasureTissues(Patient& patient, const std::filesystem::path& images, Names& all,
+                    std::vector<Case>& cases, const RunContext& context) {
   const auto as_it_is = Segmented(patient.whole.ct, {}, context);
   for (std::size_t n = 0; n < as_it_is.labels.voxels.size(); ++n) {
     if (as_it_is.labels.voxels[n] == volume::LabelOf("spinal_canal")) {
       patient.whole.labels.voxels[n] += kCanal;
     }
   }
+  bool is_held_back = true;
   for (const Copy& copy : CopiesOf(patient.whole)) {
+    is_held_back = !is_held_back;
     const auto found = Segmented(copy.ct.ct, {}, context);
+    AddCase(found, "bone", Reference(patient, copy.ct, "bone"), is_held_back, cases);
+    AddCase(found, "spinal_canal", Canal(copy.ct), is_held_back, cases);
+    Draw(images, patient.name, copy, found.labels);
     const auto agreement = [&](const char* tissue) {
       return Agreement(MaskOf(found.labels, volume::LabelOf(tissue)),
                        Reference(patient, copy.ct, tissue), context.num_threads);
@@ -208,6 +272,32 @@ void MeasureTissues(Patient& patient, Names& all, const RunContext& context) {
            Agreement(MaskOf(found.labels, volume::LabelOf("spinal_canal")), Canal(copy.ct),
                      context.num_threads),
            MuscleAround(found.labels, context.num_threads), names});
+  }
+}
+
+/// Synthetic patients, whose labels are exact: odd seeds for the certainty, even ones held back.
+void MeasurePhantoms(std::vector<Case>& cases, RunContext& context) {
+  auto config = phantom::ReadPhantomConfig(config::FindConfig("phantoms/lumbar.json", "."));
+  config.grid.origin_mm = Eigen::Vector3d(-75, -60, -108);
+  config.grid.size = {151, 146, 116};
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    context.seed = seed;
+    const phantom::Anatomy anatomy(config.body, seed);
+    const phantom::Scan scan = phantom::RenderScan(anatomy, config.grid, config.scanner, context);
+    LabelledCt whole{scan.ct, volume::Grid<std::int32_t>(scan.ct.geometry)};
+    std::ranges::copy(scan.labels.voxels, whole.labels.voxels.begin());
+    using namespace testing_support;
+    for (const LabelledCt& copy : {whole, Turned(whole, Eigen::Vector3d::UnitZ(), 0.25),
+                                   Thickened(whole, 3), Thickened(whole, 5), Noisy(whole, 45.0)}) {
+      const auto found = Segmented(copy.ct, {}, context);
+      for (const char* part : {"bone", "spinal_canal", "disc"}) {
+        Mask theirs(copy.labels.geometry);
+        for (std::size_t n = 0; n < theirs.voxels.size(); ++n) {
+          theirs.voxels[n] = copy.labels.voxels[n] == volume::LabelOf(part) ? 1 : 0;
+        }
+        AddCase(found, part, theirs, seed % 2 == 0, cases);
+      }
+    }
   }
 }
 
@@ -260,10 +350,16 @@ std::optional<Patient> Read(const std::string& name, const std::string& ct,
 int main(int argc, char** argv) {
   using namespace acus::benchmarks;
   bool with_organs = false;
+  std::string only;
+  std::filesystem::path images;
   CLI::App app{"Tables of what a segmentation is worth, on labelled CTs and transformed copies.",
                "segmentation_measures"};
   app.footer("EXAMPLE\n  build/tests/segmentation_measures --organs\n");
   app.add_flag("--organs", with_organs, "Also organs by the atlas of the other patient");
+  app.add_option("--only", only, "Only the CT with this name")
+      ->check(CLI::IsMember({"totalseg example", "ircadb01"}));
+  app.add_option("--images", images, "Also images of each copy, in this folder")
+      ->check(CLI::ExistingDirectory);
   return acus::RunMain(app, argc, argv, [&](acus::RunContext& context) {
     auto total = Read("totalseg example", "ct/totalseg/example_ct.nii.gz",
                       "ct/totalseg/example_seg_fast_force_split.nii.gz", "totalsegmentator.json", 1,
@@ -277,14 +373,20 @@ int main(int argc, char** argv) {
       }
     }
     Names names;
+    std::vector<Case> cases;
     std::cout
         << "| CT | copy | bone | lung | canal, to that of the CT as it is | muscle within 2 mm "
            "of the canal, % | names right / none / wrong |\n|---|---|---|---|---|---|---|\n";
     for (auto* patient : {&total, &ircad}) {
-      if (*patient) MeasureTissues(**patient, names, context);
+      if (!*patient || (!only.empty() && (*patient)->name != only)) continue;
+      MeasureTissues(**patient, images, names, cases, context);
     }
     std::cout << "\nNames: " << names.right << " right, " << names.unnamed << " none, "
               << names.wrong << " wrong.\n";
+    if (only.empty()) {
+      MeasurePhantoms(cases, context);
+      PrintCertainty(cases);
+    }
     if (!with_organs || !total || !ircad) return acus::ExitCode::kOk;
     Names sure, unsure;
     std::cout

@@ -215,7 +215,8 @@ SegmentedPatient Examine(const volume::CtVolume& ct, const SegmentationConfig& c
       FindVertebrae(ct, found.labels, examination.start,
                     examination.vertebrae.voxels.empty() ? nullptr : &examination.vertebrae);
   patient.organs = CheckOrgans(found.labels);
-  patient.parts = PartsOf(found.labels, found.scan, patient.vertebrae, patient.organs);
+  patient.parts =
+      PartsOf(found.labels, found.scan, patient.vertebrae, patient.organs, context.num_threads);
   patient.scan = found.scan;
   patient.labels = std::move(found.labels);
   return patient;

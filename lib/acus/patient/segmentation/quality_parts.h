@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,8 @@
 
 namespace acus::segmentation {
 
+inline constexpr double kLeastCertainty = 0.8;  ///< Below it a part is unsure.
+
 /// One part of the table with which acus-segment ends. All texts are for people.
 struct PartQuality {
   std::string name;  ///< A tissue, "kidney_left", "names of vertebrae".
@@ -19,12 +22,17 @@ struct PartQuality {
   std::string look_at;       ///< Files; empty if it is sure.
   std::string correct;       ///< Options of acus-segment; empty if it is sure.
   bool is_in_labels = true;  ///< As a tissue, so that a scenario may rely on it.
+  /// Of cases with and without doubts, the share whose Dice with the reference is at least 0.8;
+  /// measured by segmentation_measures. Empty for what has no such cases.
+  std::optional<double> certainty = {};
 };
 
 /// Organs, names of vertebrae, spinal canal, discs and ligaments, bone, and skin: those that there
-/// are, and the spine if it is missing. "Sure" means that nothing speaks against it.
+/// are, and the spine if it is missing. "Sure" means that nothing speaks against it, and that its
+/// certainty is at least kLeastCertainty.
 std::vector<PartQuality> PartsOf(const volume::LabelMap& labels, const ScanParameters& scan,
-                                 const Vertebrae& vertebrae, const std::vector<OrganCheck>& organs);
+                                 const Vertebrae& vertebrae, const std::vector<OrganCheck>& organs,
+                                 int num_threads);
 
 /// A table, and a line for each correction.
 std::string PartsTable(const std::vector<PartQuality>& parts);

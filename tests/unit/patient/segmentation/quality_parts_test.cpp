@@ -19,13 +19,18 @@ using testing::Not;
 /// A body with skin, bone, canal and disc in voxels of a size.
 volume::LabelMap Labels(double slices_mm) {
   volume::Geometry g;
-  g.size = {20, 20, 20};
+  g.size = {40, 40, 80};
   g.spacing_mm = {1.0, 1.0, slices_mm};
   volume::LabelMap labels(g, volume::LabelOf("soft_tissue"));
-  int k = 2;
-  for (const char* name : {"skin", "bone", "spinal_canal", "disc"}) {
-    for (int i = 0; i < 20; ++i) labels.At(i, 10, k) = volume::LabelOf(name);
-    ++k;
+  for (int k = 0; k < 80; ++k) {
+    for (int j = 8; j <= 32; ++j) {
+      for (int i = 8; i <= 32; ++i) {
+        const bool is_canal = std::max(std::abs(i - 20), std::abs(j - 20)) <= 6;
+        labels.At(i, j, k) = volume::LabelOf(is_canal ? "spinal_canal" : "bone");
+      }
+    }
+    for (int i = 0; i < 40; ++i) labels.At(i, 0, k) = volume::LabelOf("skin");
+    labels.At(20, 10, k) = volume::LabelOf("disc");
   }
   return labels;
 }
@@ -45,14 +50,14 @@ Vertebrae NamedFromRibs() {
 }
 
 TEST(QualityParts, OfAGoodScanAreSure) {
-  for (const PartQuality& part : PartsOf(Labels(1.0), {}, {}, {})) {
+  for (const PartQuality& part : PartsOf(Labels(1.0), {}, {}, {}, 1)) {
     EXPECT_TRUE(part.is_sure) << part.name;
   }
 }
 
 TEST(QualityParts, NameWhatSpeaksAgainstThemAndTheCorrection) {
   const ScanParameters noisy{.field = {}, .noise_hu = 60.0};
-  const auto parts = PartsOf(Labels(5.0), noisy, NamedFromRibs(), {});
+  const auto parts = PartsOf(Labels(5.0), noisy, NamedFromRibs(), {}, 1);
   EXPECT_THAT(Part(parts, "disc").why, HasSubstr("5.0 mm do not resolve"));
   EXPECT_THAT(Part(parts, "bone").why, HasSubstr("noise of 60 HU"));
   EXPECT_THAT(Part(parts, "names of vertebrae").why, HasSubstr("last pair of ribs"));
@@ -61,12 +66,45 @@ TEST(QualityParts, NameWhatSpeaksAgainstThemAndTheCorrection) {
                     HasSubstr("preview_sagittal.png")));
 }
 
+TEST(QualityParts, ACanalThatCannotBeOneIsUnsure) {
+  const volume::Label canal = volume::LabelOf("spinal_canal"), bone = volume::LabelOf("bone");
+  volume::LabelMap shorter = Labels(1.0), wide = Labels(1.0), bare = Labels(1.0);
+  for (int k = 0; k < 80; ++k) {
+    for (int j = 0; j < 40; ++j) {
+      for (int i = 0; i < 40; ++i) {
+        if (k > 30 && shorter.At(i, j, k) == canal) shorter.At(i, j, k) = bone;
+        if (bare.At(i, j, k) == bone) bare.At(i, j, k) = volume::LabelOf("fat");
+      }
+    }
+  }
+  wide.geometry.spacing_mm[0] = 8.0;
+  const auto why = [](const volume::LabelMap& labels) {
+    const PartQuality part = Part(PartsOf(labels, {}, {}, {}, 1), "spinal_canal");
+    EXPECT_FALSE(part.is_sure);
+    EXPECT_FALSE(part.certainty);  // No such case was measured.
+    return part.why;
+  };
+  EXPECT_THAT(why(shorter), HasSubstr("only 31 mm long"));
+  EXPECT_THAT(why(bare), HasSubstr("bone is only 0 %"));
+  EXPECT_THAT(why(wide), HasSubstr("which no adult has"));
+}
+
+TEST(QualityParts, StateTheirCertainty) {
+  const auto parts = PartsOf(Labels(1.0), {}, {}, {}, 1);
+  EXPECT_GE(Part(parts, "spinal_canal").certainty.value(), kLeastCertainty);
+  const auto noisy = PartsOf(Labels(1.0), {.field = {}, .noise_hu = 60.0}, {}, {}, 1);
+  EXPECT_LT(Part(noisy, "spinal_canal").certainty.value(),
+            Part(parts, "spinal_canal").certainty.value());
+  EXPECT_FALSE(Part(parts, "skin").certainty);
+  EXPECT_THAT(PartsTable(parts), AllOf(HasSubstr("certainty"), HasSubstr(" %")));
+}
+
 TEST(QualityParts, AMissingSpineAndSkinAreUnsure) {
   volume::LabelMap labels = Labels(1.0);
   for (auto& label : labels.voxels) {
     if (label != volume::LabelOf("bone")) label = volume::LabelOf("soft_tissue");
   }
-  const auto parts = PartsOf(labels, {}, {}, {});
+  const auto parts = PartsOf(labels, {}, {}, {}, 1);
   EXPECT_FALSE(Part(parts, "spinal_canal").is_sure);
   EXPECT_THAT(Part(parts, "skin").why, HasSubstr("no skin"));
 }
@@ -75,7 +113,8 @@ TEST(QualityParts, AreReadFromTheFolderOfTheLabels) {
   const testing_support::TemporaryFolder folder;
   const auto labels = folder / "labels.seg.nrrd";
   EXPECT_THAT(UnsurePartsBeside(labels), IsEmpty());
-  WriteQuality(folder / "quality.json", {}, {}, PartsOf(Labels(5.0), {}, NamedFromRibs(), {}), {});
+  WriteQuality(folder / "quality.json", {}, {}, PartsOf(Labels(5.0), {}, NamedFromRibs(), {}, 1),
+               {});
   // Names of vertebrae are no labels.
   EXPECT_THAT(UnsurePartsBeside(labels), testing::ElementsAre(HasSubstr("disc (voxels of 5.0 mm")));
   WriteTextFile(folder / "quality.json", "{}");  // Of another program.

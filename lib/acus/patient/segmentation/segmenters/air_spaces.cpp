@@ -1,10 +1,14 @@
+#include <algorithm>
+
 #include "acus/patient/segmentation/segmenters/tissues.h"
 
 namespace acus::segmentation {
 namespace {
 
 constexpr std::int16_t kDensestInLungHu = 200;  ///< Vessels with contrast agent.
-constexpr double kLargestLungHoleMm2 = 400.0;   ///< Of a vessel in a slice of the lung.
+constexpr double kWholeLungMl = 300.0;          ///< Of a lung that the CT does not cut above.
+constexpr double kLeastCutMm2 = 100.0;
+constexpr double kLargestLungHoleMm2 = 400.0;  ///< Of a vessel in a slice of the lung.
 
 /// Median HU by component, of voxels all of whose face neighbours are in the component too: edges
 /// are mixed with tissue.
@@ -30,6 +34,31 @@ std::vector<int> CoreMedians(const volume::CtVolume& ct, const Components& compo
   return medians;
 }
 
+/// 1 for components with nothing of the body above a part of them: what the CT cuts.
+std::vector<std::uint8_t> CutAbove(const Components& components, const Mask& body) {
+  const volume::Geometry& g = body.geometry;
+  const int axis = AxialAxis(g);
+  Eigen::Array3i up = Eigen::Array3i::Zero();
+  up[axis] = g.direction(2, axis) > 0.0 ? 1 : -1;
+  std::vector<double> cut_mm2(components.num_voxels.size(), 0.0);
+  for (int k = 0; k < g.size[2]; ++k) {
+    for (int j = 0; j < g.size[1]; ++j) {
+      for (int i = 0; i < g.size[0]; ++i) {
+        const Eigen::Array3i above = Eigen::Array3i(i, j, k) + up;
+        if (g.Contains(above[0], above[1], above[2]) &&
+            body.At(above[0], above[1], above[2]) != 0) {
+          continue;
+        }
+        cut_mm2[static_cast<std::size_t>(components.number.At(i, j, k))] +=
+            g.voxel_volume_mm3() / g.spacing_mm[axis];
+      }
+    }
+  }
+  std::vector<std::uint8_t> is_cut;
+  for (const double area_mm2 : cut_mm2) is_cut.push_back(area_mm2 >= kLeastCutMm2 ? 1 : 0);
+  return is_cut;
+}
+
 }  // namespace
 
 AirSpaces FindAirSpaces(const volume::CtVolume& ct, const Mask& body, const TissueOptions& options,
@@ -40,11 +69,15 @@ AirSpaces FindAirSpaces(const volume::CtVolume& ct, const Mask& body, const Tiss
   }
   const Components components = ConnectedComponents(air);
   const std::vector<int> medians = CoreMedians(ct, components);
+  const std::vector<std::uint8_t> is_cut = CutAbove(components, body);
   const double ml = ct.geometry.voxel_volume_mm3() / 1000.0;
   AirSpaces out;
   out.lung = Kept(components, [&](std::int32_t n) {
     const auto at = static_cast<std::size_t>(n);
-    return static_cast<double>(components.num_voxels[at]) * ml >= options.lung_min_ml &&
+    // Bowel gas among stool is as dense as lung, but a lung continues upwards or is seen whole.
+    const double least_ml =
+        is_cut[at] != 0 ? options.lung_min_ml : std::max(options.lung_min_ml, kWholeLungMl);
+    return static_cast<double>(components.num_voxels[at]) * ml >= least_ml &&
            medians[at] > options.gas_median_hu;
   });
   out.gas = Mask(ct.geometry);

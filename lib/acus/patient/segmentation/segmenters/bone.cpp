@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "acus/base/core/parallel.h"
+#include "acus/patient/segmentation/segmenters/enclosed.h"
 #include "acus/patient/segmentation/segmenters/tissues.h"
 
 namespace acus::segmentation {
@@ -21,7 +22,8 @@ constexpr double kCertainOverContrast =
     1.2;  ///< Noise and narrow vessels are denser in such a scan.
 constexpr double kLargestEvenMarrowMm2 = 120.0;
 constexpr double kLeastContrastMl = 3.0;
-constexpr double kSmoothBelowMm = 1.5;  ///< Pixels larger than this are smooth already.
+constexpr double kLeastLargestCoreMl = 2.0;  ///< Of a kidney or a great vessel.
+constexpr double kSmoothBelowMm = 1.5;       ///< Pixels larger than this are smooth already.
 constexpr double kLargeCoreMl = 15.0;
 constexpr double kBladderRadiusMm =
     9.0;  ///< A ball of kLargeCoreMl has 15 mm, half a skull's wall 4 mm.
@@ -36,7 +38,11 @@ constexpr double kMarginHu = 10.0;  ///< Of the threshold above soft tissue.
 constexpr double kCertainGroupMl = 0.01;
 constexpr double kReachEnhancedMm = 5.0;
 constexpr double kReachPlainMm = 12.0;
-constexpr double kClosingVoxels = 1.5;  ///< A gap in a cortex is at least that wide.
+constexpr double kAcrossMarrowMm = 30.0;  ///< In a sacrum or a hip, from wall to wall.
+constexpr int kLeastWalls = 21;           ///< Of 26 directions; a disc or a joint sees fewer.
+constexpr double kForamenMm = 10.0;
+constexpr double kCanalHalfZoneMm = 60.0;  ///< Beside the canal that was found.
+constexpr double kClosingVoxels = 1.5;     ///< A gap in a cortex is at least that wide.
 
 /// Standard deviation of noise [HU], from differences of neighbours along i in soft tissue.
 double NoiseHu(const volume::CtVolume& ct, const Mask& body) {
@@ -169,7 +175,7 @@ Mask ContrastIn(const volume::CtVolume& ct, const Mask& dense, const TissueOptio
   const double ml = ct.geometry.voxel_volume_mm3() / 1000.0;
   std::vector<std::uint8_t> is_contrast(cores.num_voxels.size(), 0);
   const std::vector<std::uint8_t> is_thick = ThickParts(cores, dense, num_threads);
-  double contrast_ml = 0.0;
+  double contrast_ml = 0.0, largest_ml = 0.0;
   for (std::size_t n = 1; n < is_contrast.size(); ++n) {
     const double median = core[n].Quantile(0.5);
     const double high = core[n].Quantile(0.95);
@@ -182,11 +188,13 @@ Mask ContrastIn(const volume::CtVolume& ct, const Mask& dense, const TissueOptio
     const bool is_bladder = spread < 0.5 * options.contrast_max_spread && size_ml > kLargeCoreMl &&
                             is_thick[n] != 0 && rim[n].Quantile(0.6) < kMostRim * median;
     is_contrast[n] = is_blood || is_bladder ? 1 : 0;
-    if (is_contrast[n] != 0) contrast_ml += size_ml;
+    if (is_contrast[n] == 0) continue;
+    contrast_ml += size_ml;
+    largest_ml = std::max(largest_ml, size_ml);
   }
   Mask contrast(ct.geometry);
-  // Contrast agent is in many places or in none; a crumb of it is spongy bone.
-  if (contrast_ml < kLeastContrastMl) return contrast;
+  // Contrast agent fills a kidney or a great vessel or is nowhere; many crumbs are spongy bone.
+  if (contrast_ml < kLeastContrastMl || largest_ml < kLeastLargestCoreMl) return contrast;
   for (std::size_t i = 0; i < contrast.voxels.size(); ++i) {
     contrast.voxels[i] = is_contrast[static_cast<std::size_t>(grown.voxels[i])];
   }
@@ -271,9 +279,10 @@ bool IsMarrow(const volume::CtVolume& ct, const SliceRegion& hole, int axis, boo
 }
 
 /// Adds what the bone encloses in a slice, along all three axes, but nothing that reaches into
-/// `open`.
-void FillMarrow(const volume::CtVolume& ct, const BoneFound& found, const Mask& open, Mask& bone,
+/// `open`. Returns the holes of axial slices that may be the canal or the brain.
+Mask FillMarrow(const volume::CtVolume& ct, const BoneFound& found, const Mask& open, Mask& bone,
                 int num_threads) {
+  Mask refused(ct.geometry);
   Mask filled = found.shell;
   for (std::size_t i = 0; i < filled.voxels.size(); ++i) {
     if (open.voxels[i] != 0) filled.voxels[i] = 0;
@@ -281,13 +290,65 @@ void FillMarrow(const volume::CtVolume& ct, const BoneFound& found, const Mask& 
   const int axial = AxialAxis(ct.geometry);
   for (const int axis : {axial, (axial + 1) % 3, (axial + 2) % 3}) {
     FillInSlices(filled, axis, num_threads, [&](const SliceRegion& hole) {
-      return std::ranges::none_of(hole.voxels,
-                                  [&](std::size_t at) { return open.voxels[at] != 0; }) &&
-             IsMarrow(ct, hole, axis, axis == axial);
+      if (std::ranges::any_of(hole.voxels, [&](std::size_t at) { return open.voxels[at] != 0; })) {
+        return false;
+      }
+      const bool is_marrow = IsMarrow(ct, hole, axis, axis == axial);
+      if (axis == axial && !is_marrow && !hole.touches_border) {
+        for (const std::size_t at : hole.voxels) refused.voxels[at] = 1;
+      }
+      return is_marrow;
     });
   }
   for (std::size_t i = 0; i < bone.voxels.size(); ++i) {
     if (filled.voxels[i] != 0 && ct.voxels[i] > kLeastMarrowHu) bone.voxels[i] = 1;
+  }
+  return refused;
+}
+
+/// The refused holes that may be a canal that was not found: in slices without `open`, and no
+/// farther beside it than a spine bends; all of them without a spine.
+Mask PossibleCanal(const Mask& refused, const Mask& open) {
+  const volume::Geometry& g = open.geometry;
+  const auto along = static_cast<std::size_t>(AxialAxis(g));
+  std::vector<std::uint8_t> has_canal(static_cast<std::size_t>(g.size.maxCoeff()), 0);
+  double sum_mm = 0.0, count = 0.0;
+  const auto for_each = [&](const Mask& mask, const auto& visit) {
+    for (int k = 0; k < g.size[2]; ++k) {
+      for (int j = 0; j < g.size[1]; ++j) {
+        for (int i = 0; i < g.size[0]; ++i) {
+          if (mask.At(i, j, k) == 0) continue;
+          const std::array at = {i, j, k};
+          visit(i, j, k, static_cast<std::size_t>(at[along]),
+                (g.ct_from_index() * Eigen::Vector3d(i, j, k)).x());
+        }
+      }
+    }
+  };
+  for_each(open, [&](int, int, int, std::size_t slice, double x_mm) {
+    has_canal[slice] = 1;
+    sum_mm += x_mm;
+    ++count;
+  });
+  Mask possible(g);
+  for_each(refused, [&](int i, int j, int k, std::size_t slice, double x_mm) {
+    const bool is_beside = count > 0.0 && std::abs(x_mm - sum_mm / count) > kCanalHalfZoneMm;
+    possible.At(i, j, k) = has_canal[slice] == 0 && !is_beside ? 1 : 0;
+  });
+  return possible;
+}
+
+/// Adds what has bone around it, seen from inside, though no slice shows a closed cortex; but
+/// neither a possible canal nor what lies beside `open`: foramina have bone all around.
+void FillEnclosed(const volume::CtVolume& ct, const BoneFound& found, const Mask& possible_canal,
+                  const Mask& open, Mask& bone, int num_threads) {
+  Mask walls = found.shell;
+  for (std::size_t i = 0; i < walls.voxels.size(); ++i) walls.voxels[i] |= bone.voxels[i];
+  const Mask enclosed = Enclosed(walls, kAcrossMarrowMm, kLeastWalls, num_threads);
+  const Mask beside = Dilated(open, kForamenMm, num_threads);
+  for (std::size_t i = 0; i < bone.voxels.size(); ++i) {
+    const bool is_marrow = enclosed.voxels[i] != 0 && ct.voxels[i] > kLeastMarrowHu;
+    if (is_marrow && possible_canal.voxels[i] == 0 && beside.voxels[i] == 0) bone.voxels[i] = 1;
   }
 }
 
@@ -336,7 +397,8 @@ BoneFound FindDenseBone(const volume::CtVolume& original, const Mask& body,
 Mask BoneWithMarrow(const volume::CtVolume& ct, const Mask& body, const BoneFound& found,
                     const Mask& open, const TissueOptions& options, int num_threads) {
   Mask bone = found.dense;
-  FillMarrow(ct, found, open, bone, num_threads);
+  const Mask refused = FillMarrow(ct, found, open, bone, num_threads);
+  FillEnclosed(ct, found, PossibleCanal(refused, open), open, bone, num_threads);
   for (std::size_t i = 0; i < bone.voxels.size(); ++i) {
     bone.voxels[i] &= body.voxels[i];
     if (found.contrast.voxels[i] != 0 || open.voxels[i] != 0) bone.voxels[i] = 0;

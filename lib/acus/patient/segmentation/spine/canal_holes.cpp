@@ -18,6 +18,9 @@ constexpr double kLeastBodyShare = 0.45;  ///< Of the box in front; the wall of 
 constexpr double kBodyFromMm = 3.0;       ///< In front of the hole.
 constexpr double kBodyToMm = 20.0;
 constexpr double kBodyHalfWidthMm = 9.0;
+constexpr double kMostFromMiddleMm = 55.0;
+constexpr double kMiddleReachMm = 60.0;
+constexpr double kMiddleWidthMm = 35.0;  ///< A hole so far beside the middle counts for a third.
 constexpr double kShortestChainMm = 14.0;
 constexpr double kLongestGapMm = 60.0;
 constexpr double kGapCost = 0.15;   ///< Of a gap, per mm, against 1 for each mm of holes.
@@ -51,8 +54,37 @@ double DenseShareInFront(const volume::CtVolume& ct, int k, double u_mm, double 
   return static_cast<double>(dense) / ((i1 - i0 + 1) * (j1 - j0 + 1));
 }
 
+/// The median of the bone across (along u), by slice, from all slices within kMiddleReachMm.
+std::vector<double> MiddlesMm(const Mask& bone) {
+  const volume::Geometry& g = bone.geometry;
+  std::vector<std::vector<double>> count(static_cast<std::size_t>(g.size[2]));
+  for (int k = 0; k < g.size[2]; ++k) {
+    auto& here = count[static_cast<std::size_t>(k)];
+    here.assign(static_cast<std::size_t>(g.size[0]), 0.0);
+    for (int j = 0; j < g.size[1]; ++j) {
+      for (int i = 0; i < g.size[0]; ++i) here[static_cast<std::size_t>(i)] += bone.At(i, j, k);
+    }
+  }
+  const int reach = static_cast<int>(kMiddleReachMm / g.spacing_mm[2]);
+  std::vector<double> middles;
+  for (int k = 0; k < g.size[2]; ++k) {
+    std::vector<double> column(static_cast<std::size_t>(g.size[0]), 0.0);
+    double total = 0.0;
+    for (int near = std::max(k - reach, 0); near <= std::min(k + reach, g.size[2] - 1); ++near) {
+      for (std::size_t i = 0; i < column.size(); ++i) {
+        column[i] += count[static_cast<std::size_t>(near)][i];
+        total += count[static_cast<std::size_t>(near)][i];
+      }
+    }
+    std::size_t i = 0;
+    for (double sum = column[0]; 2.0 * sum < total; sum += column[i]) ++i;
+    middles.push_back(static_cast<double>(i) * g.spacing_mm[0]);
+  }
+  return middles;
+}
+
 /// Appends the region to `found` if it looks like a canal.
-void AddIfCanal(const volume::CtVolume& ct, const SliceRegion& region,
+void AddIfCanal(const volume::CtVolume& ct, const SliceRegion& region, double middle_mm,
                 std::vector<CanalHole>& found) {
   const volume::Geometry& g = ct.geometry;
   const double pixel_mm2 = g.spacing_mm[0] * g.spacing_mm[1];
@@ -76,6 +108,8 @@ void AddIfCanal(const volume::CtVolume& ct, const SliceRegion& region,
   }
   hole.centre_mm /= static_cast<double>(region.voxels.size());
   extent.mean_hu /= static_cast<double>(region.voxels.size());
+  hole.from_middle_mm = std::abs(hole.centre_mm.x() - middle_mm);
+  if (hole.from_middle_mm > kMostFromMiddleMm) return;
   if (extent.mean_hu < kLeastCanalHu || extent.mean_hu > kMostCanalHu) return;
   const double ellipse_mm2 = 0.25 * M_PI * (extent.right_mm - extent.left_mm + g.spacing_mm[0]) *
                              (extent.back_mm - extent.front_mm + g.spacing_mm[1]);
@@ -94,9 +128,11 @@ std::vector<CanalHole> FindCanalHoles(const volume::CtVolume& ct, const Mask& sh
                                       int num_threads) {
   std::vector<std::vector<CanalHole>> by_slice(static_cast<std::size_t>(ct.geometry.size[2]));
   Mask rings = shell;
+  const std::vector<double> middles_mm = MiddlesMm(shell);
   const std::size_t slice = ct.geometry.Index(0, 0, 1);
   FillInSlices(rings, 2, num_threads, [&](const SliceRegion& region) {
-    AddIfCanal(ct, region, by_slice[region.voxels.front() / slice]);
+    const std::size_t k = region.voxels.front() / slice;
+    AddIfCanal(ct, region, middles_mm[k], by_slice[k]);
     return false;
   });
   std::vector<CanalHole> holes;
@@ -106,7 +142,12 @@ std::vector<CanalHole> FindCanalHoles(const volume::CtVolume& ct, const Mask& sh
 
 std::vector<CanalHole> CanalChain(const std::vector<CanalHole>& holes, const volume::Geometry& g) {
   const double step_mm = g.spacing_mm[2];
-  std::vector<double> score(holes.size(), step_mm);
+  std::vector<double> worth_mm;
+  for (const CanalHole& hole : holes) {
+    const double beside = hole.from_middle_mm / kMiddleWidthMm;
+    worth_mm.push_back(step_mm * std::exp(-beside * beside));
+  }
+  std::vector<double> score = worth_mm;
   std::vector<std::ptrdiff_t> before(holes.size(), -1);
   for (std::size_t b = 0; b < holes.size(); ++b) {
     for (std::size_t a = 0; a < b; ++a) {
@@ -116,7 +157,7 @@ std::vector<CanalHole> CanalChain(const std::vector<CanalHole>& holes, const vol
       const double beyond_mm = std::max(0.0, shift.x() - 2.0 - 0.25 * dz_mm) +
                                std::max(0.0, shift.y() - 2.0 - 0.7 * dz_mm);
       const double with_a =
-          score[a] + step_mm - kGapCost * (dz_mm - step_mm) - kShiftCost * beyond_mm;
+          score[a] + worth_mm[b] - kGapCost * (dz_mm - step_mm) - kShiftCost * beyond_mm;
       if (beyond_mm > 10.0 || with_a <= score[b]) continue;
       score[b] = with_a;
       before[b] = static_cast<std::ptrdiff_t>(a);

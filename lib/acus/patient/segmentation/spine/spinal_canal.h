@@ -18,15 +18,17 @@ struct CanalHole {
   int k = 0;
   Eigen::Vector2d centre_mm = Eigen::Vector2d::Zero();  ///< (u, v).
   double area_mm2 = 0.0;
+  double from_middle_mm = 0.0;  ///< Across, from the middle of the bone nearby.
 };
 
 /// The holes of all slices that are as large and as round as a canal, hold no marrow, and have
-/// denser tissue (a vertebral body) in front. `shell`: bone with its small gaps closed.
+/// denser tissue (a vertebral body) in front, at most 55 mm beside the median of the bone within
+/// 60 mm above and below: the marrow of hips looks alike. `shell`: bone with its small gaps closed.
 std::vector<CanalHole> FindCanalHoles(const volume::CtVolume& ct, const Mask& shell,
                                       int num_threads);
 
-/// The longest chain of holes, at most one in a slice, that one spine can pass through. Empty if
-/// that is shorter than 14 mm.
+/// The longest chain of holes, at most one in a slice, that one spine can pass through; holes
+/// beside the middle count for less. Empty if that is shorter than 14 mm.
 std::vector<CanalHole> CanalChain(const std::vector<CanalHole>& holes, const volume::Geometry& g);
 
 inline constexpr int kNumCanalRays = 48;

@@ -14,6 +14,7 @@ constexpr double kMostObliqueDeg = 30.0;
 constexpr double kBesideMm = 3.0;
 constexpr double kBelowThresholdHu = 45.0;
 constexpr double kWideClosingMm = 2.0;
+constexpr double kNoMuscleMm = 2.5;  ///< No muscle lies so close to the canal.
 
 /// Bone with what is somewhat less dense beside it, its gaps closed: the ring of an arch is whole
 /// here where thick slices or a high threshold have opened it.
@@ -62,8 +63,17 @@ std::optional<Spine> FindSpine(const volume::CtVolume& original, const Mask& bod
   Mask ligament = FindSpineLigaments(view, options.fat_upper_hu);
   const Mask lining = CanalLining(tube, ct, dense, canal, options.fat_upper_hu);
   for (std::size_t n = 0; n < ligament.voxels.size(); ++n) ligament.voxels[n] |= lining.voxels[n];
+  Mask muscle = FindBackMuscles(view, turned(body), options.fat_upper_hu);
+  const Mask near =
+      Dilated(canal, std::max(kNoMuscleMm, 1.01 * ct.geometry.spacing_mm.minCoeff()), num_threads);
+  for (std::size_t n = 0; n < muscle.voxels.size(); ++n) {
+    const bool is_flavum = muscle.voxels[n] != 0 && near.voxels[n] != 0 && canal.voxels[n] == 0;
+    if (!is_flavum) continue;
+    muscle.voxels[n] = 0;
+    ligament.voxels[n] = 1;
+  }
   spine.ligament = back(ligament);
-  spine.muscle = back(FindBackMuscles(view, turned(body), options.fat_upper_hu));
+  spine.muscle = back(muscle);
   return spine;
 }
 

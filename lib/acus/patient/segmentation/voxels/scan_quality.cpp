@@ -176,6 +176,7 @@ void WriteQuality(const std::filesystem::path& path, const ScanParameters& scan,
   for (const PartQuality& part : parts) {
     out["parts"].push_back({{"name", part.name},
                             {"sure", part.is_sure},
+                            {"certainty", part.certainty ? json(*part.certainty) : json(nullptr)},
                             {"why", part.why},
                             {"look_at", part.look_at},
                             {"correct", part.correct},
