@@ -60,10 +60,10 @@ def files_of(root, name):
     return found
 
 
-def sources(root, group):
+def sources(root, group, kinds=("of", "code")):
     """Digest of all that a group's figures are made of."""
     digest = hashlib.sha256()
-    for name in (*group["of"], *group["code"]):
+    for name in (name for kind in kinds for name in group.get(kind, [])):
         for path in files_of(root, name):
             digest.update(path.relative_to(root).as_posix().encode() + b"\0" + content(path) + b"\0")
     return digest.hexdigest()[:16]
@@ -75,16 +75,17 @@ def image(root, name):
 
 
 def record(root=ROOT):
-    """(sources, image) by the figure's name."""
+    """(sources, image, listed) by the figure's name."""
     path = root / "docs/figures/figures.csv"
     if not path.is_file():
         return {}
     with open(path, encoding="utf-8", newline="") as file:
-        return {row["figure"]: (row["sources"], row["image"]) for row in csv.DictReader(file)}
+        return {row["figure"]: (row["sources"], row["image"], row["listed"]) for row in csv.DictReader(file)}
 
 
 def stale(root=ROOT, with_open=False):
-    """What is wrong, by the group's name. A group with `open` (why) waits to be made again: the test passes it over."""
+    """What is wrong, by the group's name. A group with `open` (why) waits to be made again: the test passes it over,
+    as it does a change of what is `listed` only."""
     recorded = record(root)
     found = {}
     for name, group in groups(root).items():
@@ -94,11 +95,13 @@ def stale(root=ROOT, with_open=False):
             continue
         now = sources(root, group)
         for figure in group["makes"]:
-            before = recorded.get(figure, ("", ""))
+            before = recorded.get(figure, ("", "", ""))
             if before[0] != now:
                 found[name] = "its sources changed"
             elif before[1] != image(root, figure):
                 found[name] = f"{figure} is not the one that was recorded"
+            elif with_open and before[2] != sources(root, group, ("listed",)):
+                found[name] = "the code of its window changed"
     return found
 
 
@@ -110,11 +113,11 @@ def stamp(names, root=ROOT):
         for figure in known[name]["makes"]:
             if not image(root, figure):
                 raise FigureError(f"{FIGURES}/{figure} was not made")
-            recorded[figure] = (now, image(root, figure))
+            recorded[figure] = (now, image(root, figure), sources(root, known[name], ("listed",)))
     kept = {figure for group in known.values() for figure in group["makes"]}
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("figure", "sources", "image"))
+    writer.writerow(("figure", "sources", "image", "listed"))
     writer.writerows((figure, *recorded[figure]) for figure in sorted(kept & recorded.keys()))
     (root / "docs/figures/figures.csv").write_text(text.getvalue(), encoding="utf-8")
 
