@@ -56,7 +56,7 @@ for size in "${sizes[@]}"; do
   for model in surrogate full_cycle; do synthetic_motion $model "$size" "motion_${model}_$size"; done
 done
 table_2 small
-large_voxels=(512 512 460)
+large_voxels=(512 512 456) # Of the paper 460: acus-phantom makes at most 120 million.
 if [[ -z $quick ]]; then
   resized liver_ptc "${large_voxels[*]}" large.json
   patient liver_ptc large --config large.json

@@ -14,6 +14,7 @@
 #include "acus/data/session/session_io.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/imaging/slicing/ct_slice.h"
+#include "acus/imaging/ultrasound/aperture/aperture_renderer.h"
 #include "acus/imaging/ultrasound/beams/beam_renderer.h"
 #include "acus/imaging/ultrasound/columns/alamilla.h"
 #include "acus/imaging/ultrasound/columns/bmode.h"
@@ -132,6 +133,22 @@ GrayImage Beams(const Moment& m, const ultrasound::BeamOptions& options) {
   return image;
 }
 
+/// With the settings of a scenario that names no others.
+GrayImage Aperture(const Moment& m) {
+  const auto table = acoustics::ReadTissueAcoustics(Acoustics("tissues.json"));
+  acoustics::Probe probe =
+      acoustics::ReadProbe(fs::path(ACUS_SOURCE_DIR) / "configs/probes/curvilinear_c5_2.json");
+  probe.image_width_px = m.probe.image_width_px;
+  probe.image_height_px = m.probe.image_height_px;
+  ultrasound::ApertureOptions options;
+  options.organ_structure = options.fibre_texture = true;
+  GrayImage image;
+  ultrasound::ApertureRenderer({.ct = &m.ct, .labels = &m.labels, .acoustics = &table}, probe,
+                               options)
+      .Render(m.ct_from_probe, m.needle, image);
+  return image;
+}
+
 GrayImage CtSlice(const Moment& m) {
   GrayImage image;
   slicing::CtSliceRenderer(m.ct, acoustics::ImageOf(m.probe), m.probe.slice_thickness_mm)
@@ -181,7 +198,8 @@ std::vector<Panel> Models(const Moment& m) {
           {"alamilla_2021",
            Alamilla(m, ultrasound::ReadAlamillaOptions(Acoustics("alamilla_2021.json")))},
           {"columns_2010", Columns(m, "hu_textured.json")},
-          {"beams", Beams(m, ThreePlanes())}};
+          {"beams", Beams(m, ThreePlanes())},
+          {"aperture", Aperture(m)}};
 }
 
 std::vector<Panel> VidalSteps(const Moment& m) {
