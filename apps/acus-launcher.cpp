@@ -1,5 +1,6 @@
 // acus-launcher: the window that starts sessions.
 #include <CLI/CLI.hpp>
+#include <iostream>
 
 #include "acus/base/core/run_main.h"
 #include "acus/run/launcher/launcher.h"
@@ -12,6 +13,8 @@ int main(int argc, char** argv) {
   const auto run = acus::launcher::AddLauncherOptions(app);
   app.footer(
       "EXAMPLE\n"
-      "  acus-launcher workplaces");
-  return acus::RunMain(app, argc, argv, run);
+      "  acus-launcher workplaces --list\n"
+      "  Without --list the window opens.");
+  return acus::RunMain(app, argc, argv,
+                       [&](acus::RunContext& context) { return run(context, std::cout); });
 }

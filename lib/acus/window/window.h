@@ -11,13 +11,12 @@
 #include "acus/window/command.h"
 #include "acus/window/frame.h"
 #include "acus/window/layout.h"
+#include "acus/window/screen.h"
 #include "acus/window/stereo.h"
 #include "acus/window/volume_renderer.h"
 #include "acus/window/x_display.h"
 
 namespace acus::window {
-
-class Screen;
 
 struct WindowSettings {
   std::string title = "Acus";

@@ -103,10 +103,9 @@ std::vector<Saving> SavingsOf(const SweepResult& result) {
 std::string SavedText(const Saving& saving) {
   if (!saving.SavesTime()) return "not distinguishable";
   std::string text = RoundedText(saving.saved_percent.mean, 2) + " %";
-  if (HasInterval(saving.saved_percent)) {
-    text += " \u00B1 " + RoundedText(saving.saved_percent.half_width, 1);
-  }
-  return text;
+  return HasInterval(saving.saved_percent)
+             ? text + " \u00B1 " + RoundedText(saving.saved_percent.half_width, 1)
+             : text + " in one run";
 }
 
 std::string LossText(const Saving& saving) {

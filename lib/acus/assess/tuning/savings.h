@@ -37,7 +37,7 @@ struct SavingsTable {
 /// Table of the savings that are differences between models, or of the others.
 SavingsTable TableOf(const std::vector<Saving>& savings, bool differences);
 
-/// "42 % +- 3", or "not distinguishable".
+/// "42 % +- 3", "42 % in one run", or "not distinguishable".
 std::string SavedText(const Saving& saving);
 /// "0.013 N +- 0.002", "at most 33 grey levels; not distinguishable from 0", "none".
 std::string LossText(const Saving& saving);

@@ -51,14 +51,17 @@ void AddSavings(const std::vector<Saving>& savings, const report::Plot& overview
   page.Section("What cheaper settings save and lose");
   if (!overview.series.empty()) page.Plots(std::vector<report::Plot>{overview});
   const SavingsTable losses = TableOf(savings, /*differences=*/false);
-  page.Table(losses.header, losses.rows,
-             "Against the most expensive value of each parameter, \u00B1 95 % intervals; not "
-             "distinguishable: the interval of the difference holds 0, run more --repetitions. "
-             "What is noticed is a rule of thumb: 10 % of a force, one grey level of 255");
+  const auto add = [&page](const SavingsTable& table, const char* caption) {
+    if (!table.rows.empty()) page.Table(table.header, table.rows, caption);
+  };
+  add(losses,
+      "Against the most expensive value of each parameter, \u00B1 95 % intervals; not "
+      "distinguishable: the interval of the difference holds 0, run more --repetitions. "
+      "What is noticed is a rule of thumb: 10 % of a force, one grey level of 255");
   const SavingsTable others = TableOf(savings, /*differences=*/true);
-  page.Table(others.header, others.rows,
-             "Other models and other speckle: differences between two images of the tissue, no "
-             "errors. Which is closer to a real tissue these numbers do not say");
+  add(others,
+      "Other models and other speckle: differences between two images of the tissue, no "
+      "errors. Which is closer to a real tissue these numbers do not say");
 }
 
 void AddKnob(const SweepResult& result, const PageContent& content, const KnobTable& table,

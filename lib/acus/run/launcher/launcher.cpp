@@ -6,6 +6,7 @@
 #include <QTimer>
 #include <cstdlib>
 #include <memory>
+#include <ostream>
 
 #include "acus/base/core/error.h"
 #include "acus/base/core/text_table.h"
@@ -22,6 +23,7 @@ constexpr int kLookForStopMs = 200;
 
 struct LauncherOptions {
   fs::path folder;
+  bool list = false;
   bool headless = false;
   double duration_s = 0.0;
 };
@@ -46,7 +48,24 @@ void RequireDisplay() {
       "desktop, or use acus live-session --headless");
 }
 
-ExitCode RunLauncher(const LauncherOptions& options, const RunContext& context) {
+/// Workplaces with their exercises, and what is wrong with them.
+std::string ListText(const fs::path& folder) {
+  std::string text;
+  for (const Workplace& workplace : FindWorkplaces(folder)) {
+    text += Message(workplace.folder.string(), ": ", workplace.patient, '\n');
+    if (!workplace.trouble.empty()) text += Message("  ", workplace.trouble, '\n');
+    for (const ExerciseOfWorkplace& exercise : workplace.exercises) {
+      text += Message("  ", exercise.file_name, ": ", exercise.title, '\n');
+    }
+  }
+  return text.empty() ? Message("There is no workplace in ", folder.string(), ".\n") : text;
+}
+
+ExitCode RunLauncher(const LauncherOptions& options, const RunContext& context, std::ostream& out) {
+  if (options.list) {
+    out << ListText(options.folder);
+    return ExitCode::kOk;
+  }
   RequireDisplay();
   translation::UseLanguage(translation::LanguageOfEnvironment(), translation::LocaleFolder());
   LauncherSettings settings;
@@ -76,16 +95,19 @@ ExitCode RunLauncher(const LauncherOptions& options, const RunContext& context) 
 
 }  // namespace
 
-std::function<ExitCode(RunContext& context)> AddLauncherOptions(CLI::App& app) {
+std::function<ExitCode(RunContext& context, std::ostream& out)> AddLauncherOptions(CLI::App& app) {
   const auto options = std::make_shared<LauncherOptions>();
   app.add_option("folder", options->folder,
                  "Folder of workplaces, or one workplace; it is made if it is not there")
       ->required();
+  app.add_flag("--list", options->list, "Print the workplaces and their exercises, open no window");
   app.add_flag("--headless", options->headless, "Of every session: without its window");
   app.add_option("--duration", options->duration_s,
                  "Of every session: ends by itself after so many seconds")
       ->check(CLI::Range(0.0, 86400.0));
-  return [options](RunContext& context) { return RunLauncher(*options, context); };
+  return [options](RunContext& context, std::ostream& out) {
+    return RunLauncher(*options, context, out);
+  };
 }
 
 }  // namespace acus::launcher

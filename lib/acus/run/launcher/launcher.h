@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,6 @@ struct LauncherSettings {
 };
 
 /// Adds the options of acus-launcher; the returned function runs it until its window is closed.
-std::function<ExitCode(RunContext& context)> AddLauncherOptions(CLI::App& app);
+std::function<ExitCode(RunContext& context, std::ostream& out)> AddLauncherOptions(CLI::App& app);
 
 }  // namespace acus::launcher

@@ -96,7 +96,7 @@ TEST(Savings, OneRunHasNoInterval) {
     setting.force_rms_n = {setting.force_rms_n.mean, NAN, setting.force_rms_n.count == 0 ? 0 : 1};
   }
   const auto savings = SavingsOf(result);
-  EXPECT_EQ(SavedText(savings[0]), "90 %");
+  EXPECT_EQ(SavedText(savings[0]), "90 % in one run");
   EXPECT_EQ(LossText(savings[0]), "0.2 N");
 }
 
