@@ -195,6 +195,34 @@ make_papers() {
   done
 }
 
+# The default workplace while its demonstration is played.
+make_sessions() {
+  build programs
+  rm -rf lumbar_place
+  quietly "$root/pipelines/live-session" --text --new lumbar_place
+  quietly "$root/pipelines/common/on_display.sh" "$root/pipelines/live-session" --text --demo --trainee T07 --duration 25 \
+    --exercise lumbar_puncture --screenshot "$PWD/session_lumbar.png" lumbar_place </dev/null
+  small session_lumbar.png "$figures/session_lumbar.png"
+}
+
+# The launcher with its workplaces.
+make_launcher() {
+  build programs
+  mkdir -p places display
+  [[ -e places/default ]] || quietly "$root/pipelines/live-session" --text --new places/default
+  local server program
+  Xvfb -displayfd 7 -screen 0 1100x700x24 -fbdir "$PWD/display" -nolisten tcp 7>display/number >/dev/null 2>&1 &
+  server=$!
+  sleep 3
+  DISPLAY=:$(head -n 1 display/number) acus-launcher places >/dev/null 2>&1 &
+  program=$!
+  sleep 20
+  python3 "$root/tests/launcher/screenshot.py" display launcher.png
+  kill "$program" "$server"
+  wait "$program" "$server" 2>/dev/null || true
+  small launcher.png "$figures/launcher.png"
+}
+
 # The window of pipelines/training-day, at the end of the day that its test plays.
 make_training_day() {
   build programs
