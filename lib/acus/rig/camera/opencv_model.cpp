@@ -4,6 +4,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <opencv2/core.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -122,6 +123,8 @@ CameraModel ReadOpenCvCamera(const std::filesystem::path& path) {
     parameters.name = path.stem().string();
   } catch (const cv::Exception& error) {
     throw InputError(Message(label, ": is no ", format, " of OpenCV: ", error.err));
+  } catch (const std::length_error&) {  // OpenCV's parser throws it at a key without a name.
+    throw InputError(Message(label, ": is no ", format, " of OpenCV: a key has no name"));
   }
   try {
     return CameraModel(parameters);
