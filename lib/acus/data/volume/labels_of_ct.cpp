@@ -45,6 +45,16 @@ void ForEachLabelled(const CtVolume& ct, const LabelMap& labels, const Action& c
   }
 }
 
+std::array<const JudgedTissue*, 256> JudgedTissues(const LabelMap& labels) {
+  std::array<const JudgedTissue*, 256> judged{};
+  for (const auto& [label, name] : labels.names) {
+    for (const JudgedTissue& tissue : kJudged) {
+      if (name == tissue.name) judged[label] = &tissue;
+    }
+  }
+  return judged;
+}
+
 /// Pairs of voxels beside each other in a slice, of which one is bone: those whose bone has more HU
 /// than the other voxel fit. Pairs in one voxel of the CT do not count.
 Count EdgesOfBone(const CtVolume& ct, const LabelMap& labels,
@@ -89,12 +99,7 @@ Count EdgesOfBone(const CtVolume& ct, const LabelMap& labels,
 }  // namespace
 
 std::optional<std::string> WhyLabelsAreOfAnother(const CtVolume& ct, const LabelMap& labels) {
-  std::array<const JudgedTissue*, 256> judged{};
-  for (const auto& [label, name] : labels.names) {
-    for (const JudgedTissue& tissue : kJudged) {
-      if (name == tissue.name) judged[label] = &tissue;
-    }
-  }
+  const auto judged = JudgedTissues(labels);
   std::array<Count, kJudged.size()> counts{};
   ForEachLabelled(ct, labels, [&](Label label, int hu) {
     const JudgedTissue* tissue = judged[label];
@@ -113,15 +118,19 @@ std::optional<std::string> WhyLabelsAreOfAnother(const CtVolume& ct, const Label
                                       : Message(kMostGasHu, " HU or less"),
                    " in the CT (of a patient's own labels at least 80 %)");
   }
-  const Count edges = EdgesOfBone(ct, labels, judged);
+  return std::nullopt;
+}
+
+std::optional<std::string> DoubtAboutLabels(const CtVolume& ct, const LabelMap& labels) {
+  const Count edges = EdgesOfBone(ct, labels, JudgedTissues(labels));
   const double share =
       static_cast<double>(edges.fit) / static_cast<double>(std::max<std::size_t>(1, edges.voxels));
-  if (edges.voxels >= kLeastVoxels && share < kLeastEdgeShare) {
-    return Message("only at ", FixedText(100.0 * share, 0),
-                   " % of the edges of its bone does the CT have an edge of bone (of a patient's "
-                   "own labels at 96 %)");
-  }
-  return std::nullopt;
+  if (edges.voxels < kLeastVoxels || share >= kLeastEdgeShare) return std::nullopt;
+  return Message(
+      "only at ", FixedText(100.0 * share, 0),
+      " % of the edges of its bone does the CT have an edge of bone (labels drawn to the "
+      "voxel: 93 to 99 %). It may be of another scan or patient, shifted, or drawn a "
+      "voxel too wide or too narrow: membranes are felt where the labels have them");
 }
 
 }  // namespace acus::volume
