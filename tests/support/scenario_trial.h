@@ -199,9 +199,11 @@ class ScenarioTrial {
       before = out;
       if (i == begin + 1500 || i == begin + kHandSteps - 1) Look(simulation, state, out, t);
     }
+    // A patient who breathes or moves does work on the needle.
+    if (scene_.listed.moves_tissue()) return;
     if (phase == kHeldBreath) {
       RequirePassive(generated_mj, kEnergyLimitMj, trace_.strained_mj);
-    } else if (!scene_.breathing) {  // A patient who breathes does work on the needle.
+    } else if (!scene_.breathing) {
       RequirePassive(generated_mj, kEnergyLimitMj, trace_.generated_mj);
     }
   }
@@ -226,8 +228,9 @@ class ScenarioTrial {
           return Step(simulation, state, sample).force.force_in_ct_n;
         },
         3.0);
-    // A thumb on the plunger does work on the device; fluid_closed_loop_test has the fluid alone.
-    if (!scene_.listed.adds_force()) {
+    // A thumb on the plunger does work on the device, and so does a patient who moves;
+    // fluid_closed_loop_test has the fluid alone.
+    if (!scene_.listed.adds_force() && !scene_.listed.moves_tissue()) {
       RequirePassive(result.generated_mj, kLoopLimitMj, trace_.loop_mj);
     }
   }
