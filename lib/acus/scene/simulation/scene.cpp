@@ -57,7 +57,7 @@ void RequireOnePatient(const scenario::Patient& patient, const Scene& scene,
                ". Is it of another patient or scan? Give the label map of this CT; to use it all "
                "the same: --set /patient/trust_labels=true");
   if (const auto doubt = volume::DoubtAboutLabels(*scene.ct, *scene.labels)) {
-    context.Warn(Message(patient.labels.string(), ": ", *doubt));
+    context.Warn(Message(patient.labels.filename().string(), ": ", *doubt));
   }
 }
 
@@ -84,7 +84,7 @@ void WarnOfUnsureParts(const std::filesystem::path& labels, const RunContext& co
   if (unsure.empty()) return;
   context.Warn(Message("unsure in the labels of this patient: ", Joined(unsure, "; "),
                        ". Forces, images and targets there may be wrong; look at report.html ",
-                       "beside ", labels.string()));
+                       "beside ", labels.filename().string()));
 }
 
 }  // namespace

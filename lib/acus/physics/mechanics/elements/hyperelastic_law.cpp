@@ -101,9 +101,14 @@ Eigen::Matrix3d IsotropicStressMpa(const HyperelasticLaw& law, double shear_modu
   return (2.0 * slope * g.value) * f + (slope * g.slope * i1) * c;
 }
 
+/// With the pressure's part.
 Matrix9 IsotropicTangentMpa(const HyperelasticLaw& law, double shear_modulus_mpa,
-                            const Eigen::Matrix3d& f) {
-  if (law.kind == LawKind::kOgden) return OgdenTangentMpa(law.ogden, shear_modulus_mpa, f);
+                            const Eigen::Matrix3d& f, double pressure_mpa) {
+  if (law.kind == LawKind::kOgden) {
+    Matrix9 tangent = OgdenTangentMpa(law.ogden, shear_modulus_mpa, f);
+    AddDeterminantCurvature(f, pressure_mpa, tangent);
+    return tangent;
+  }
   const Eigen::Matrix3d cofactor = Cofactor(f);
   const VolumeFactor g = VolumeFactorAt(f.col(0).dot(cofactor.col(0)));
   const double i1 = f.squaredNorm();
@@ -115,7 +120,7 @@ Matrix9 IsotropicTangentMpa(const HyperelasticLaw& law, double shear_modulus_mpa
   out += (2.0 * w.slope_mpa * g.slope) * (fv * cv.transpose() + cv * fv.transpose());
   out += (w.slope_mpa * g.curvature * i1) * cv * cv.transpose();
   out.diagonal().array() += 2.0 * w.slope_mpa * g.value;
-  AddDeterminantCurvature(f, w.slope_mpa * g.slope * i1, out);
+  AddDeterminantCurvature(f, w.slope_mpa * g.slope * i1 + pressure_mpa, out);
   return out;
 }
 
@@ -136,9 +141,8 @@ Eigen::Matrix3d ShapeStressMpa(const HyperelasticLaw& law, double shear_modulus_
 
 Matrix9 ShapeTangentMpa(const HyperelasticLaw& law, double shear_modulus_mpa,
                         const Eigen::Matrix3d& f, double pressure_mpa) {
-  Matrix9 out = IsotropicTangentMpa(law, shear_modulus_mpa, f);
+  Matrix9 out = IsotropicTangentMpa(law, shear_modulus_mpa, f, pressure_mpa);
   if (law.fibres.k1_mpa > 0.0) out += FibreTangentMpa(law.fibres, f);
-  AddDeterminantCurvature(f, pressure_mpa, out);
   return out;
 }
 
