@@ -32,7 +32,8 @@ CanalCheck Measures(const volume::LabelMap& labels, int num_threads) {
   const auto axis = static_cast<Eigen::Index>(AxialAxis(g));
   const Mask canal = MaskOf(labels, volume::LabelOf("spinal_canal"));
   const Box box = BoundsOf(canal);
-  const Mask near = Dilated(canal, std::max(kAroundMm, 1.01 * g.spacing_mm.minCoeff()), num_threads);
+  const Mask near =
+      Dilated(canal, std::max(kAroundMm, 1.01 * g.spacing_mm.minCoeff()), num_threads);
   CanalCheck out;
   out.length_mm = (box.high[axis] - box.low[axis] + 1) * g.spacing_mm[axis];
   double x_mm = 0.0, count = 0.0, around = 0.0, bone = 0.0;

@@ -14,8 +14,7 @@ Mask BoxWithHole(int half_hole) {
     for (int j = 18; j < 46; ++j) {
       for (int i = 18; i < 46; ++i) {
         const bool is_inside = std::min({i, j, k}) >= 22 && std::max({i, j, k}) < 42;
-        const bool is_hole =
-            j < 22 && std::abs(i - 32) < half_hole && std::abs(k - 32) < half_hole;
+        const bool is_hole = j < 22 && std::abs(i - 32) < half_hole && std::abs(k - 32) < half_hole;
         walls.At(i, j, k) = !is_inside && !is_hole ? 1 : 0;
       }
     }

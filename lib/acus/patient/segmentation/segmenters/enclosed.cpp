@@ -42,8 +42,7 @@ void Look(const Mask& walls, const Eigen::Array3i& step, double reach_mm,
         const int i = along(0, l);
         const bool is_first = !g.Contains(i - step[0], j - step[1], k - step[2]);
         const float to_wall =
-            is_first ? kNowhereMm
-                     : distance_mm.At(i - step[0], j - step[1], k - step[2]) + step_mm;
+            is_first ? kNowhereMm : distance_mm.At(i - step[0], j - step[1], k - step[2]) + step_mm;
         if (to_wall <= static_cast<float>(reach_mm)) ++seen.At(i, j, k);
         distance_mm.At(i, j, k) = walls.At(i, j, k) != 0 ? 0.0F : to_wall;
       }
