@@ -47,18 +47,14 @@ void LoadSurfaces(const scenario::Scenario& scenario, const EffectPlan& plan, Sc
   for (const auto& surface : list.surfaces) context.provenance.AddInput(surface.file);
 }
 
-/// CT and labels are of one patient; a doubt is a warning.
-void RequireOnePatient(const scenario::Patient& patient, const Scene& scene,
-                       const RunContext& context) {
+/// CT and labels are of one patient.
+void RequireOnePatient(const scenario::Patient& patient, const Scene& scene) {
   if (patient.trusts_labels || !scene.ct || !scene.labels) return;
   const auto why = volume::WhyLabelsAreOfAnother(*scene.ct, *scene.labels);
   ACUS_REQUIRE(!why, patient.labels.string(), ": does not fit the CT ", patient.ct.string(), ": ",
                why.value_or(""),
                ". Is it of another patient or scan? Give the label map of this CT; to use it all "
                "the same: --set /patient/trust_labels=true");
-  if (const auto doubt = volume::DoubtAboutLabels(*scene.ct, *scene.labels)) {
-    context.Warn(Message(patient.labels.filename().string(), ": ", *doubt));
-  }
 }
 
 /// The patient's data for effects of the list: shared, so that its address stays.
@@ -111,7 +107,7 @@ Scene LoadScene(const scenario::Scenario& scenario, const EffectPlan& plan, RunC
   if (plan.Needs(effects::ports::kLabels) && scenario.patient.surfaces.empty()) {
     scene.labels = std::make_shared<volume::LabelMap>(volume::ReadTissues(scenario.patient.labels));
     context.provenance.AddInput(scenario.patient.labels);
-    RequireOnePatient(scenario.patient, scene, context);
+    RequireOnePatient(scenario.patient, scene);
     WarnOfUnsureParts(scenario.patient.labels, context);
   }
   if (plan.Needs(effects::ports::kNeedlePreset)) {

@@ -44,19 +44,8 @@ TEST(LabelsOfCt, FitThePatientAndNoOther) {
   EXPECT_THAT(*why, HasSubstr("only 30 % of its bone has 60 HU or more"));
 }
 
-TEST(LabelsOfCt, EdgesOfBoneThatAreElsewhereAreDoubted) {
-  const Patient one = PatientWithBlocks(0), similar = PatientWithBlocks(1);
-  EXPECT_FALSE(WhyLabelsAreOfAnother(one.ct, similar.labels)) << "90 % has the HU of bone";
-  const auto doubt = DoubtAboutLabels(one.ct, similar.labels);
-  ASSERT_TRUE(doubt) << "its edges are 2 mm off";
-  EXPECT_THAT(*doubt, HasSubstr("of the edges of its bone"));
-  EXPECT_FALSE(DoubtAboutLabels(one.ct, one.labels));
-  // Noise of a real CT does not move edges.
-  Patient noisy = PatientWithBlocks(0);
-  for (std::size_t i = 0; i < noisy.ct.voxels.size(); ++i) {
-    noisy.ct.voxels[i] = static_cast<std::int16_t>(noisy.ct.voxels[i] + 60 * ((7 * i) % 5) - 120);
-  }
-  EXPECT_FALSE(DoubtAboutLabels(noisy.ct, noisy.labels));
+TEST(LabelsOfCt, AFewMillimetresAreNotJudged) {
+  EXPECT_FALSE(WhyLabelsAreOfAnother(PatientWithBlocks(0).ct, PatientWithBlocks(1).labels));
 }
 
 TEST(LabelsOfCt, GridsMayDiffer) {
@@ -75,7 +64,6 @@ TEST(LabelsOfCt, GridsMayDiffer) {
     }
   }
   EXPECT_FALSE(WhyLabelsAreOfAnother(one.ct, coarse));
-  EXPECT_FALSE(DoubtAboutLabels(one.ct, coarse));
 }
 
 TEST(LabelsOfCt, TooLittleBoneSaysNothing) {
@@ -83,7 +71,6 @@ TEST(LabelsOfCt, TooLittleBoneSaysNothing) {
   for (Label& label : one.labels.voxels) label = LabelOf("soft_tissue");
   for (int i = 0; i < 60; ++i) one.labels.At(i, 0, 0) = LabelOf("bone");
   EXPECT_FALSE(WhyLabelsAreOfAnother(one.ct, one.labels));
-  EXPECT_FALSE(DoubtAboutLabels(one.ct, one.labels));
 }
 
 }  // namespace
