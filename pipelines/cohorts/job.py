@@ -115,13 +115,19 @@ def wait_for_parents(plan, job):
     return records
 
 
+def read_with(path):
+    """A file that a command names, and what programs read beside it: of labels, which parts are unsure."""
+    quality = os.path.join(os.path.dirname(path), "quality.json")
+    return [path, quality] if os.path.basename(path) == "labels.seg.nrrd" else [path]
+
+
 def inputs_of(job, argv, records):
     """What the command names and reads, by hash; that of a parent with its record."""
     made = {o["path"]: (o["sha256"], path) for path, r in records.items() for o in r["Outputs"]}
     folders = {path.removesuffix(".json"): path for path in records}
     found = {}
     for word in argv[1:]:
-        for path in {word, word.partition("=")[2]}:
+        for path in {p for part in (word, word.partition("=")[2]) for p in read_with(part)}:
             if not path or path == job["output"] or not os.path.exists(path):
                 continue
             parent = next((r for f, r in folders.items() if path == f or path.startswith(f + "/")),
