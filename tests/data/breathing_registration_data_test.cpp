@@ -116,28 +116,27 @@ TEST_P(RealCt, IsRegisteredFromAnyStart) {
   const auto folder = testing_support::SharedData(GetParam());
   if (!folder) GTEST_SKIP() << "test data " << GetParam() << " is not here";
   const BreathingCt patient(*folder);
-  // Whole lungs; the other CT has only their bases.
-  if (std::string(GetParam()) == "ct/thorax_dicom") {
-    LungMovesAsInUnusedPatients(testing_support::MotionOf(patient.MovedLung()));
-  }
+  const breathing::Breath inspiration{.cycle = 0.0, .level = 1.0, .level_per_s = 0.0};
+  const auto full = patient.PhaseAt(inspiration);
+  const Errors from_rest = patient.ErrorsOf(patient.Register(full, nullptr), inspiration);
+  RecordProperty("inspiration_mean_mm", std::to_string(math::Mean(from_rest.all_mm)));
+  RecordProperty("inspiration_p95_mm", std::to_string(math::Quantile(from_rest.all_mm, 0.95)));
+  RecordProperty("near_wall_mean_mm", std::to_string(math::Mean(from_rest.near_wall_mm)));
+  EXPECT_LT(math::Mean(from_rest.all_mm), 1.0);
+  EXPECT_LT(math::Quantile(from_rest.all_mm, 0.95), 2.5);
+  // Whole lungs, and every start; the other CT has only their bases, and one start.
+  if (std::string(GetParam()) != "ct/thorax_dicom") return;
+  LungMovesAsInUnusedPatients(testing_support::MotionOf(patient.MovedLung()));
+
   const breathing::Breath half_way{.cycle = 0.75, .level = 0.5, .level_per_s = 0.78};
   const PhaseField half = patient.Register(patient.PhaseAt(half_way), nullptr);
   const Errors at_half = patient.ErrorsOf(half, half_way);
   RecordProperty("half_way_mean_mm", std::to_string(math::Mean(at_half.all_mm)));
   EXPECT_LT(math::Mean(at_half.all_mm), 1.0);
   EXPECT_LT(math::Quantile(at_half.all_mm, 0.95), 2.5);
-
-  const breathing::Breath inspiration{.cycle = 0.0, .level = 1.0, .level_per_s = 0.0};
-  const auto full = patient.PhaseAt(inspiration);
-  const Errors from_half = patient.ErrorsOf(patient.Register(full, &half), inspiration);
-  const Errors from_rest = patient.ErrorsOf(patient.Register(full, nullptr), inspiration);
-  RecordProperty("inspiration_mean_mm", std::to_string(math::Mean(from_half.all_mm)));
-  RecordProperty("inspiration_p95_mm", std::to_string(math::Quantile(from_half.all_mm, 0.95)));
-  RecordProperty("near_wall_mean_mm", std::to_string(math::Mean(from_half.near_wall_mm)));
-  EXPECT_LT(math::Mean(from_half.all_mm), 1.0);
-  EXPECT_LT(math::Quantile(from_half.all_mm, 0.95), 2.5);
   // Where it ends does not depend on where it begins.
-  EXPECT_NEAR(math::Mean(from_rest.all_mm), math::Mean(from_half.all_mm), 0.02);
+  const Errors from_half = patient.ErrorsOf(patient.Register(full, &half), inspiration);
+  EXPECT_NEAR(math::Mean(from_half.all_mm), math::Mean(from_rest.all_mm), 0.02);
 }
 
 INSTANTIATE_TEST_SUITE_P(Data, RealCt, testing::Values("ct/thorax_dicom", "ct/ircadb01_dicom"));

@@ -75,7 +75,8 @@ CondenseSettings CondenseSettingsFromJson(const json& document,
   out.element =
       mechanics::ElementNamed(from.at("element").get<std::string>(), "/condensation/element");
   out.elasticity = mechanics::ReadElasticityTable(
-      config::FindConfig(from.at("elasticity").get<std::string>(), relative_to));
+                       config::FindConfig(from.at("elasticity").get<std::string>(), relative_to))
+                       .OfPatient(from.at("stiffness_seed"));
   out.max_memory_mib = from.at("max_memory_mib").get<double>();
   return out;
 }

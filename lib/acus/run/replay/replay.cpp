@@ -173,6 +173,9 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   if (labelled) labelled->Finish();
   run.effects = RenderEffectImages(scene, moments, run.steps, into, options, &run.times, context);
   run.cpu_s = ProcessCpuSeconds() - begin_s;
+  if (scenario.patient.num_others > 0) {
+    run.others = RangeOverPatients(scenario, run.session, AvailableIn(run.session), context);
+  }
   if (scenario.evidence) {
     run.cost = CheckCost(*scenario.evidence, std::move(step_cpu_s), run.images.cpu_s);
   }

@@ -35,6 +35,13 @@ std::vector<std::string> WarningsOf(const Scene& scene, const Run& run) {
         "the probe never touched the skin: is the transform right? On a mannequin that does not "
         "yield it only lies on it; /effects/probe_force/press_mm takes it deeper");
   }
+  const bool is_in_body = std::ranges::any_of(
+      run.steps.steps, [](const auto& step) { return step.force.depth_mm > 0.0; });
+  if (scene.plan.Writes(effects::ports::kForce) && run.steps.final_state.needle_seen &&
+      !is_in_body) {
+    warnings.emplace_back(
+        "the needle was never in the body, so that it felt no force: is the transform right?");
+  }
   const auto& rod = run.steps.final_state.shape.needle.rod;
   if (rod.num_not_converged > 0) {
     warnings.push_back(Message("the bendable needle was not quite at rest in ",
@@ -94,6 +101,7 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
     WriteProbeForces(folder / "probe_forces.csv", run.steps, scene);
   }
   WriteListedEffects(folder, run.steps, scene);
+  if (run.others) WriteRange(folder, *run.others, run.steps);
   WriteMetrics(folder / "metrics.json", run.metrics);
   if (run.assessment) {
     config::WriteJson(folder / "training.json", training::ToJson(*run.assessment));
@@ -116,6 +124,7 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
   content.warnings = WarningsOf(scene, run);
   content.metrics = run.metrics;
   content.assessment = run.assessment;
+  content.others = run.others;
   const auto add = [&content](const ImageLog& log) {
     content.films.insert(content.films.end(), log.films.begin(), log.films.end());
     content.images.insert(content.images.end(), log.pngs.begin(), log.pngs.end());

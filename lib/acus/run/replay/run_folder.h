@@ -12,6 +12,7 @@
 #include "acus/run/replay/cost_check.h"
 #include "acus/run/replay/effect_image_log.h"
 #include "acus/run/replay/image_log.h"
+#include "acus/run/replay/patient_range.h"
 #include "acus/run/replay/run_metrics.h"
 #include "acus/run/replay/step_log.h"
 #include "acus/run/training/assessment.h"
@@ -29,8 +30,9 @@ struct Run {
   std::optional<training::Assessment> assessment;  ///< If there is an exercise.
   simulation::StageTimes times;
   std::vector<std::string> warnings;
-  std::optional<CostCheck> cost;  ///< If the scenario has evidence.
-  std::optional<double> cpu_s;    ///< CPU time of steps and images with their writing, all threads.
+  std::optional<PatientRange> others;  ///< If the scenario has other patients.
+  std::optional<CostCheck> cost;       ///< If the scenario has evidence.
+  std::optional<double> cpu_s;  ///< CPU time of steps and images with their writing, all threads.
 };
 
 /// Duration of the longer stream of tool poses.

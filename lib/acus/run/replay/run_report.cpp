@@ -207,6 +207,20 @@ void AddExercise(report::HtmlReport& html, const training::Assessment& assessmen
              "What the tip went through");
 }
 
+/// @pre content.others
+void AddOthers(report::HtmlReport& html, const ReportContent& content, const StepLog& log) {
+  html.Section("Other patients");
+  html.Paragraph(Message(
+      "The same motion in ", content.others->patients.size(),
+      " other patients whose tissues are softer or stiffer, as between_patients of the tables of "
+      "forces and moduli says. What a hand would do otherwise there is not in it."));
+  html.Plots(std::vector{RangePlot(*content.others, log)});
+  const RangeTable table = TableOf(*content.others, content.metrics);
+  html.Table(table.header, table.rows,
+             "other_patients.csv has each of them, with the seed that "
+             "replays it (/patient/stiffness/seed).");
+}
+
 void AddPlan(report::HtmlReport& html, const simulation::EffectPlan& plan,
              const simulation::StageTimes& times) {
   html.Drawing(PlanSvg(plan, times),
@@ -314,6 +328,7 @@ void WriteReport(const std::filesystem::path& folder, const ReportContent& conte
       if (!log.most_bent.empty()) html.Plots(std::vector{ShapePlot(log)});
     }
     AddEvents(html, log, events);
+    if (content.others) AddOthers(html, content, log);
   }
   if (scene.plan.Writes(effects::ports::kProbeForce) && !log.steps.empty()) {
     html.Section("Probe");

@@ -8,6 +8,7 @@
 
 #include "acus/base/core/provenance.h"
 #include "acus/run/replay/image_log.h"
+#include "acus/run/replay/patient_range.h"
 #include "acus/run/replay/run_metrics.h"
 #include "acus/run/replay/step_log.h"
 #include "acus/run/training/assessment.h"
@@ -19,6 +20,7 @@ struct ReportContent {
   std::vector<std::pair<std::string, std::string>> facts;
   std::vector<std::string> warnings;
   std::vector<Metric> metrics;
+  std::optional<PatientRange> others;              ///< If other patients were run.
   std::optional<training::Assessment> assessment;  ///< If there was an exercise.
   std::vector<WrittenFilm> films;
   std::vector<WrittenPng> images;

@@ -75,6 +75,10 @@ Patient ReadPatient(const json& object, const fs::path& folder, const std::strin
   }
   const fs::path transform = ExistingPath(object, "ct_from_reference_file", folder, where);
   if (!transform.empty()) patient.ct_from_reference = transforms::ReadTransform(transform);
+  if (object.contains("stiffness")) {
+    patient.stiffness_seed = object["stiffness"].at("seed");
+    patient.num_others = object["stiffness"].at("others");
+  }
   return patient;
 }
 
@@ -135,6 +139,15 @@ void CheckTogether(const Scenario& s) {
     ACUS_REQUIRE(s.tissue->model != TissueModelKind::kFem3d, file,
                  ": /effects/tissue/pressed_by_probe is for models that the probe does not deform; "
                  "fe_3d computes it: set fe_3d/probe_contact");
+  }
+  if (s.patient.num_others > 0) {
+    ACUS_REQUIRE(s.needle_force, file, ": /patient/stiffness/others is ", s.patient.num_others,
+                 ", but there is no effects/needle_force whose range it would report; add it, or "
+                 "set others to 0");
+    ACUS_REQUIRE(!(s.tissue && s.tissue->model == TissueModelKind::kFem3d), file,
+                 ": /patient/stiffness/others is ", s.patient.num_others,
+                 ", but the compliance of effects/tissue with fe_3d is that of one patient; set "
+                 "others to 0, or choose the model springs or fe_2d");
   }
   if (s.shape) {
     ACUS_REQUIRE(s.needle_force, file,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -33,6 +34,8 @@ struct Patient {
   std::filesystem::path mesh;      ///< mesh.vtu; the compliance is in the same folder.
   std::filesystem::path corridor;  ///< CSV with the points entry and target.
   Eigen::Isometry3d ct_from_reference = Eigen::Isometry3d::Identity();
+  std::uint64_t stiffness_seed = 0;  ///< Forces and moduli are a draw; 0: those of the tables.
+  int num_others = 0;                ///< Other patients whose forces a replay reports.
 };
 
 struct Scenario {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "acus/physics/forces/laws/occupancy_field.h"
+#include "acus/scene/simulation/patient_tables.h"
 
 namespace acus::simulation {
 namespace {
@@ -52,11 +53,12 @@ forces::PalpationFields FieldsByHu(const forces::ForceTable& table, Scene& scene
 
 }  // namespace
 
-void LoadProbeForce(const ProbeForceEffect& effect, Scene& scene) {
+void LoadProbeForce(const scenario::Scenario& scenario, Scene& scene, const RunContext& context) {
+  const ProbeForceEffect& effect = *scenario.probe_force;
   scene.probe_press_mm = effect.press_mm;
   scene.probe_force_from_tissue = effect.model == scenario::ProbeForceModelKind::kTissue;
   if (scene.probe_force_from_tissue) return;
-  const forces::ForceTable table = forces::ReadForceTable(effect.table);
+  const forces::ForceTable table = ForcesOf(scenario.patient, effect.table, context);
   if (effect.model == scenario::ProbeForceModelKind::kVidal) {
     scene.probe_force.emplace(forces::VidalProbe(table, *NeedHu(scene)));
     return;

@@ -14,6 +14,7 @@
 #include "acus/physics/mechanics/elements/elasticity_table.h"
 #include "acus/physics/mechanics/elements/element_names.h"
 #include "acus/scene/simulation/needle_line.h"
+#include "acus/scene/simulation/patient_tables.h"
 
 namespace acus::simulation {
 namespace {
@@ -72,7 +73,8 @@ struct NeedleParts {
 NeedleParts ReadNeedleParts(const scenario::Scenario& scenario, RunContext& context) {
   context.provenance.AddInput(scenario.tissue->table);
   context.provenance.AddInput(scenario.needle);
-  return {forces::ReadForceTable(scenario.tissue->table), forces::ReadNeedle(scenario.needle)};
+  return {ForcesOf(scenario.patient, scenario.tissue->table, context),
+          forces::ReadNeedle(scenario.needle)};
 }
 
 tissue::TissueModel Springs(const TissueEffect& effect, const TissueMap& tissues,
@@ -182,7 +184,8 @@ tissue::TissueModel Fem(const scenario::Scenario& scenario, const TissueInputs& 
 tissue::TissueModel LoadTissue(const scenario::Scenario& scenario, const TissueInputs& inputs,
                                RunContext& context) {
   const TissueEffect& effect = *scenario.tissue;
-  const mechanics::ElasticityTable elasticity = mechanics::ReadElasticityTable(effect.elasticity);
+  const mechanics::ElasticityTable elasticity =
+      ElasticityOf(scenario.patient, effect.elasticity, context);
   context.provenance.AddInput(effect.elasticity);
   switch (effect.model) {
     case TissueModelKind::kDisplacementFunctions:

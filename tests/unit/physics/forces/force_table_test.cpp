@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "acus/base/core/error.h"
+#include "acus/base/math/between_patients.h"
 #include "layered_body.h"
 
 namespace acus::forces {
@@ -130,6 +131,30 @@ TEST(ReadNeedle, ReadsTheThreeNeedles) {
     EXPECT_EQ(needle.beam.youngs_modulus_mpa, 193e3);
     EXPECT_GT(needle.beam.SecondMomentMm4(), 0.0);
   }
+}
+
+TEST(ForceTable, OfAPatientHasEachTissueByItsFactor) {
+  const ForceTable table = ReadForceTable(kConfigs / "forces" / "default.json");
+  EXPECT_TRUE(table.VariesBetweenPatients());
+  EXPECT_FALSE(SimpleTable().VariesBetweenPatients());
+  const ForceTable drawn = table.OfPatient(11);
+  const auto factor = [](const char* tissue, double gsd) {
+    return math::PatientFactor(gsd, 11, volume::LabelOf(tissue));
+  };
+  const auto ratio = [&](volume::Label label) {
+    return drawn.tissue[label].cutting_n / table.tissue[label].cutting_n;
+  };
+  EXPECT_DOUBLE_EQ(ratio(volume::LabelOf("liver")), factor("liver", 1.18));
+  EXPECT_DOUBLE_EQ(ratio(volume::LabelOf("muscle")), factor("muscle", 1.43));
+  EXPECT_DOUBLE_EQ(ratio(200), factor("soft_tissue", 1.4));  // Without a row.
+  const TissueForce& liver = drawn.tissue[volume::LabelOf("liver")];
+  const TissueForce& median = table.tissue[volume::LabelOf("liver")];
+  EXPECT_DOUBLE_EQ(liver.membrane.puncture_n, median.membrane.puncture_n * factor("liver", 1.18));
+  EXPECT_NEAR(liver.membrane.PunctureDepthMm(), median.membrane.PunctureDepthMm(), 1e-9);
+  EXPECT_EQ(liver.time.relaxation.ElasticShare(), median.time.relaxation.ElasticShare());
+  EXPECT_DOUBLE_EQ(drawn.multi_proxy.skin.a1_n_per_mm,
+                   table.multi_proxy.skin.a1_n_per_mm * factor("skin", 1.36));
+  EXPECT_EQ(table.OfPatient(0).tissue[200].cutting_n, table.tissue[200].cutting_n);
 }
 
 }  // namespace

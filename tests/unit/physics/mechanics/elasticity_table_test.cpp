@@ -5,6 +5,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
+#include "acus/base/math/between_patients.h"
 
 namespace acus::mechanics {
 namespace {
@@ -138,6 +139,40 @@ TEST(ElasticityTable, SaysWhatIsWrong) {
         << value;
   }
   EXPECT_THAT(with("/tissues", json::array()), ThrowsMessage<InputError>(HasSubstr("/tissues")));
+}
+
+TEST(ElasticityTable, OfAPatientHasAllModuliOfATissueByOneFactor) {
+  const ElasticityTable table = ElasticityTableFromJson(json::parse(R"({
+    "format": "acus-elasticity/1", "tissues": [
+      {"tissue": "muscle", "source": "test", "youngs_modulus_kpa": 12,
+       "between_patients": {"gsd": 1.5, "source": "test"},
+       "law": {"model": "yeoh", "source": "test", "c2_kpa": 2, "c3_kpa": 3,
+               "fibres": {"k1_kpa": 4, "direction": [0, 0, 1]}},
+       "membrane": {"source": "test", "youngs_modulus_kpa": 1000, "thickness_mm": 0.1,
+                    "tension_n_per_m": 10, "solid_youngs_modulus_kpa": 5}},
+      {"tissue": "fat", "source": "test", "youngs_modulus_kpa": 3}]})"),
+                                                        "test");
+  const ElasticityTable drawn = table.OfPatient(4);
+  const volume::Label muscle = volume::LabelOf("muscle"), fat = volume::LabelOf("fat");
+  const double factor = math::PatientFactor(1.5, 4, muscle);
+  ASSERT_GT(std::abs(factor - 1.0), 0.01);
+  EXPECT_DOUBLE_EQ(drawn.At(muscle).youngs_modulus_mpa, factor * 0.012);
+  EXPECT_DOUBLE_EQ(drawn.SolidAt(muscle).youngs_modulus_mpa, factor * 0.005);
+  EXPECT_DOUBLE_EQ(drawn.law[muscle].c2_mpa, factor * 0.002);
+  EXPECT_DOUBLE_EQ(drawn.law[muscle].c3_mpa, factor * 0.003);
+  EXPECT_DOUBLE_EQ(drawn.law[muscle].fibres.k1_mpa, factor * 0.004);
+  EXPECT_DOUBLE_EQ(drawn.membranes.at(0).youngs_modulus_mpa, factor * 1.0);
+  EXPECT_DOUBLE_EQ(drawn.membranes.at(0).tension_n_per_mm, factor * 0.01);
+  EXPECT_EQ(drawn.At(muscle).poissons_ratio, table.At(muscle).poissons_ratio);
+  EXPECT_EQ(drawn.At(fat).youngs_modulus_mpa, table.At(fat).youngs_modulus_mpa);
+  EXPECT_EQ(table.OfPatient(0).At(muscle).youngs_modulus_mpa, 0.012);
+  // The stress of the whole law is that of the median patient times the factor.
+  const Eigen::Matrix3d stretched = Eigen::Vector3d(0.9, 1.0, 1.2).asDiagonal();
+  const auto stress = [&](const ElasticityTable& t) -> Eigen::Matrix3d {
+    return ShapeStressMpa(t.law[muscle], t.At(muscle).ShearModulusMpa(), stretched);
+  };
+  EXPECT_TRUE(stress(drawn).isApprox(factor * stress(table), 1e-12));
+  EXPECT_TRUE(drawn.VariesBetweenPatients());
 }
 
 }  // namespace

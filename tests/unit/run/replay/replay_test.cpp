@@ -262,6 +262,21 @@ TEST_F(Replay, ReportsWhenTheStepsOfAChecklistWereDone) {
               testing::ContainsRegex("Needle</td><td[^>]*>0.2"));
 }
 
+TEST_F(Replay, SaysThatTheNeedleWasNeverInTheBody) {
+  const auto warnings_of = [this](const char* run) {
+    return config::ReadJson(folder_ / run / "run.json").at("warnings").dump();
+  };
+  const std::vector<scenario::Override> forces_only = {{"/effects/ultrasound", nullptr},
+                                                       {"/effects/ct_slice", nullptr}};
+  Run("inside", 1, forces_only);
+  EXPECT_EQ(warnings_of("inside"), "[]");
+  auto beside = forces_only;
+  beside.push_back(
+      {"/patient/ct_from_reference", {1, 0, 0, 500, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}});
+  Run("beside", 1, beside);
+  EXPECT_THAT(warnings_of("beside"), HasSubstr("never in the body"));
+}
+
 TEST_F(Replay, WritesOneImagePerPeriod) {
   Run("run", 2);
   const auto run = config::ReadJson(folder_ / "run/run.json");

@@ -5,6 +5,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
+#include "acus/base/math/between_patients.h"
 
 namespace acus::forces {
 namespace {
@@ -74,6 +75,9 @@ TissueForce Tissue(const json& row, const std::string& where) {
   tissue.cutting_a2_n_per_mm2 = row.at("cutting_a2_n_per_mm2");
   tissue.shaft_n_per_mm2 = row.at("shaft_n_per_mm2");
   tissue.impenetrable = row.at("impenetrable");
+  if (row.contains("between_patients")) {
+    tissue.between_patients_gsd = row.at("between_patients").at("gsd");
+  }
   tissue.time = {.relaxation = RelaxationFrom(row.at("relaxation"), where),
                  .friction_rate = row.at("friction_rate"),
                  .friction_dwell = row.at("friction_dwell")};
@@ -145,28 +149,61 @@ ForceTable ReadForceTable(const std::filesystem::path& path) {
   return ForceTableFromJson(config::ReadJson(path), path.string());
 }
 
+void TissueForce::Scale(double ratio) noexcept {
+  membrane.a1_n_per_mm *= ratio;
+  membrane.a2_n_per_mm2 *= ratio;
+  membrane.puncture_n *= ratio;
+  cutting_n *= ratio;
+  cutting_a1_n_per_mm *= ratio;
+  cutting_a2_n_per_mm2 *= ratio;
+  shaft_n_per_mm2 *= ratio;
+  friction_n_per_mm *= ratio;
+  withdrawal_friction_n_per_mm *= ratio;
+  withdrawal_tip_n *= ratio;
+}
+
+void ForceTable::ScaleLawsByHu(double ratio) {
+  hu_springs.Scale(ratio);
+  vidal.resistance_n_s_per_mm = vidal.resistance_n_s_per_mm * ratio;
+  vidal.withdrawal_n_s_per_mm *= ratio;
+  vidal.skin_n_per_mm *= ratio;
+  vidal.puncture_n *= ratio;
+}
+
 ForceTable ForceTable::ScaledTo(double outer_diameter_mm) const {
   const double ratio = outer_diameter_mm / reference_diameter_mm;
   ForceTable scaled = *this;
   scaled.reference_diameter_mm = outer_diameter_mm;
-  for (TissueForce& row : scaled.tissue) {
-    row.membrane.a1_n_per_mm *= ratio;
-    row.membrane.a2_n_per_mm2 *= ratio;
-    row.membrane.puncture_n *= ratio;
-    row.cutting_n *= ratio;
-    row.cutting_a1_n_per_mm *= ratio;
-    row.cutting_a2_n_per_mm2 *= ratio;
-    row.shaft_n_per_mm2 *= ratio;
-    row.friction_n_per_mm *= ratio;
-    row.withdrawal_friction_n_per_mm *= ratio;
-    row.withdrawal_tip_n *= ratio;
-  }
-  scaled.hu_springs.Scale(ratio);
-  scaled.vidal.resistance_n_s_per_mm = vidal.resistance_n_s_per_mm * ratio;
-  scaled.vidal.withdrawal_n_s_per_mm *= ratio;
-  scaled.vidal.skin_n_per_mm *= ratio;
-  scaled.vidal.puncture_n *= ratio;
+  for (TissueForce& row : scaled.tissue) row.Scale(ratio);
+  scaled.ScaleLawsByHu(ratio);
   return scaled;
+}
+
+ForceTable ForceTable::OfPatient(std::uint64_t seed) const {
+  const volume::Label fallback = volume::LabelOf("soft_tissue");
+  const auto factor = [&](volume::Label label) {
+    const volume::Label row = named.test(label) ? label : fallback;
+    return math::PatientFactor(tissue[row].between_patients_gsd, seed, row);
+  };
+  const auto scale = [](MultiProxySettings::Repulsion& repulsion, double ratio) {
+    repulsion.a1_n_per_mm *= ratio;
+    repulsion.a2_n_per_mm2 *= ratio;
+  };
+  ForceTable drawn = *this;
+  for (std::size_t i = 1; i < drawn.tissue.size(); ++i) {
+    drawn.tissue[i].Scale(factor(static_cast<volume::Label>(i)));
+  }
+  scale(drawn.multi_proxy.skin, factor(volume::LabelOf("skin")));
+  for (MultiProxySettings::Structure& structure : drawn.multi_proxy.structures) {
+    scale(structure.repulsion, factor(structure.tissue));
+  }
+  drawn.ScaleLawsByHu(factor(fallback));
+  return drawn;
+}
+
+bool ForceTable::VariesBetweenPatients() const noexcept {
+  return std::ranges::any_of(tissue,
+                             [](const TissueForce& row) { return row.between_patients_gsd > 1.0; });
 }
 
 }  // namespace acus::forces

@@ -35,6 +35,11 @@ struct TissueForce {
   bool impenetrable = false;          ///< Bone: the tip stops at the surface.
   TissueTime time;                    ///< Which models read what: see needle_forces.md.
   std::bitset<256> no_membrane_from;  ///< Labels from which this tissue is entered without one.
+  /// Geometric standard deviation of its forces between patients; 1: all have the same.
+  double between_patients_gsd = 1.0;
+
+  /// All forces and stiffnesses times `ratio`; depths of punctures, K_t and times stay.
+  void Scale(double ratio) noexcept;
 };
 
 /// Everything else that the force law needs. Defaults are those of the schema acus-forces.
@@ -83,6 +88,17 @@ struct ForceTable {
   /// The table for a needle of another outer diameter: all soft-tissue forces scale with it, as
   /// both the cut's length and the shaft's circumference do. Puncture depths stay.
   ForceTable ScaledTo(double outer_diameter_mm) const;
+
+  /// The table of one patient: the forces of each tissue times math::PatientFactor of its
+  /// between_patients_gsd; laws by HU have the factor of soft_tissue, the skin under a probe that
+  /// of skin. Seed 0: the table itself.
+  ForceTable OfPatient(std::uint64_t seed) const;
+
+  /// True if OfPatient changes anything.
+  bool VariesBetweenPatients() const noexcept;
+
+ private:
+  void ScaleLawsByHu(double ratio);
 };
 
 /// Reads configs/forces/*.json (format acus-forces/1). @throws InputError listing all problems.

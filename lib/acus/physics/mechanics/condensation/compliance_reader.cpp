@@ -67,9 +67,11 @@ void RequireSame(const fs::path& path, const ComplianceHeader& header, const mes
                Remedy(path));
   ACUS_REQUIRE(Text(header.element) == key.element, name, ": was made with the element \"",
                Text(header.element), "\"; \"", key.element, "\" is required", Remedy(path));
-  ACUS_REQUIRE(Text(header.elasticity_sha256) == key.elasticity_sha256, name,
-               ": was made with other elastic constants for the tissues of this mesh",
-               Remedy(path));
+  ACUS_REQUIRE(
+      Text(header.elasticity_sha256) == key.elasticity_sha256, name,
+      ": was made with other elastic constants for the tissues of this mesh (another table, "
+      "or another stiffness_seed)",
+      Remedy(path));
 }
 
 std::vector<int> ReadNodes(const fs::path& path, const std::byte* at, std::uint64_t count,

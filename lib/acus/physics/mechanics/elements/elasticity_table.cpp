@@ -7,6 +7,7 @@
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/core/error.h"
+#include "acus/base/math/between_patients.h"
 
 namespace acus::mechanics {
 namespace {
@@ -173,6 +174,30 @@ const ElasticTissue& ElasticityTable::At(volume::Label label) const {
   return tissue[label];
 }
 
+ElasticityTable ElasticityTable::OfPatient(std::uint64_t seed) const {
+  const auto factor = [&](volume::Label label) {
+    return math::PatientFactor(between_patients_gsd[label], seed, label);
+  };
+  ElasticityTable drawn = *this;
+  for (std::size_t i = 1; i < drawn.tissue.size(); ++i) {
+    const double ratio = factor(static_cast<volume::Label>(i));
+    drawn.tissue[i].youngs_modulus_mpa *= ratio;
+    drawn.beneath[i].youngs_modulus_mpa *= ratio;
+    drawn.law[i].c2_mpa *= ratio;
+    drawn.law[i].c3_mpa *= ratio;
+    drawn.law[i].fibres.k1_mpa *= ratio;
+  }
+  for (Membrane& membrane : drawn.membranes) {
+    membrane.youngs_modulus_mpa *= factor(membrane.tissue);
+    membrane.tension_n_per_mm *= factor(membrane.tissue);
+  }
+  return drawn;
+}
+
+bool ElasticityTable::VariesBetweenPatients() const noexcept {
+  return std::ranges::any_of(between_patients_gsd, [](double gsd) { return gsd > 1.0; });
+}
+
 ElasticityTable ElasticityTableFromJson(json document, const std::string& label) {
   document = config::CheckedConfig(std::move(document), "acus-elasticity", label);
   ElasticityTable table;
@@ -191,6 +216,9 @@ ElasticityTable ElasticityTableFromJson(json document, const std::string& label)
     if (row.contains("law")) {
       table.law[tissue] = LawFrom(row.at("law"), table.tissue[tissue].ShearModulusMpa(),
                                   Message(label, ": /tissues/", i));
+    }
+    if (row.contains("between_patients")) {
+      table.between_patients_gsd[tissue] = row.at("between_patients").at("gsd");
     }
     table.named.set(tissue);
     ReadMembrane(row, tissue, Message(label, ": /tissues/", i), table);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <bitset>
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -39,6 +40,8 @@ struct ElasticityTable {
   /// For tissues with a membrane: what the solid beneath it is like; others are not in it.
   std::array<ElasticTissue, 256> beneath{};
   std::bitset<256> has_beneath;
+  /// Geometric standard deviation of the stiffness between patients; 1 or less: all have the same.
+  std::array<double, 256> between_patients_gsd{};
   Relaxation relaxation;  ///< Of fe_2d and fe_3d; the moduli are those of fast deformation.
 
   /// @throws InputError that names tissue, file and remedy if there is no row for `label`.
@@ -50,6 +53,14 @@ struct ElasticityTable {
 
   /// Null: none between this tissue and what is on its other side (0: outside the body).
   const Membrane* MembraneOf(volume::Label covered, volume::Label beyond) const;
+
+  /// The table of one patient: all moduli of a tissue and of its membrane, and the membrane's
+  /// tension, times math::PatientFactor of its between_patients_gsd. Poisson's ratios and
+  /// exponents stay. Seed 0: the table itself.
+  ElasticityTable OfPatient(std::uint64_t seed) const;
+
+  /// True if OfPatient changes anything.
+  bool VariesBetweenPatients() const noexcept;
 };
 
 /// Reads configs/elasticity/*.json (format acus-elasticity/1). @throws InputError listing all

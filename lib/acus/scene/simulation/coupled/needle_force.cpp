@@ -2,6 +2,7 @@
 #include "acus/scene/simulation/coupled/coupled_effect.h"
 #include "acus/scene/simulation/coupled/declaration.h"
 #include "acus/scene/simulation/needle_line.h"
+#include "acus/scene/simulation/patient_tables.h"
 
 namespace acus::simulation::coupled {
 namespace {
@@ -38,7 +39,7 @@ forces::GuidanceKind GuidanceOf(scenario::GuidanceKind kind) {
 }
 
 forces::ForceTable ReadTable(const Scenario& s, RunContext& context) {
-  forces::ForceTable table = forces::ReadForceTable(s.needle_force->table);
+  forces::ForceTable table = ForcesOf(s.patient, s.needle_force->table, context);
   table.alamilla.direct_method = s.needle_force->direct_method;
   if (const double nick_mm = s.needle_force->skin_nick_radius_mm; nick_mm > 0.0) {
     table.nick = {ReadNeedleLine(s.patient.corridor).entry_in_ct_mm, nick_mm};
@@ -47,9 +48,16 @@ forces::ForceTable ReadTable(const Scenario& s, RunContext& context) {
   return table;
 }
 
-forces::ForceModel ModelOf(const scenario::NeedleForceEffect& effect,
-                           const forces::ForceTable& table, const Scene& scene,
+/// The seed by which a law of recordings is drawn; 0: the recording that is named.
+std::uint64_t SeedOfRecordings(const Scenario& s) {
+  const scenario::NeedleForceEffect& effect = *s.needle_force;
+  const bool is_patients = effect.seed == 0 && effect.recording == "mean";
+  return is_patients ? s.patient.stiffness_seed : effect.seed;
+}
+
+forces::ForceModel ModelOf(const Scenario& s, const forces::ForceTable& table, const Scene& scene,
                            RunContext& context) {
+  const scenario::NeedleForceEffect& effect = *s.needle_force;
   const forces::GuidanceKind guidance = GuidanceOf(effect.guidance);
   switch (effect.model) {
     case NeedleForceModelKind::kVidal:
@@ -59,9 +67,9 @@ forces::ForceModel ModelOf(const scenario::NeedleForceEffect& effect,
     case NeedleForceModelKind::kMeasured: {
       const auto measured = forces::ReadMeasuredForces(effect.measured);
       context.provenance.AddInput(effect.measured);
+      const std::uint64_t seed = SeedOfRecordings(s);
       return forces::ForceModel(forces::MeasuredModel(
-          table, *scene.needle,
-          effect.seed > 0 ? measured.Drawn(effect.seed) : measured.Law(effect.recording),
+          table, *scene.needle, seed > 0 ? measured.Drawn(seed) : measured.Law(effect.recording),
           measured.needle_diameter_mm, guidance));
     }
     case NeedleForceModelKind::kLayered:
@@ -155,7 +163,7 @@ class NeedleForceEffect final : public CoupledEffect {
           "there is no label map: tissues are identified by the CT's HU, as the force table says");
       scene.hu_tissues = table.hu_tissues;
     }
-    scene.forces.emplace(ModelOf(*s.needle_force, table, scene, context));
+    scene.forces.emplace(ModelOf(s, table, scene, context));
     context.provenance.AddInput(s.needle_force->table);
   }
 

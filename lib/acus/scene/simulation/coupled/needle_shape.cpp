@@ -1,6 +1,7 @@
 #include "acus/physics/mechanics/elements/elasticity_table.h"
 #include "acus/scene/simulation/coupled/coupled_effect.h"
 #include "acus/scene/simulation/coupled/declaration.h"
+#include "acus/scene/simulation/patient_tables.h"
 
 namespace acus::simulation::coupled {
 namespace {
@@ -138,14 +139,14 @@ class NeedleShapeEffect final : public CoupledEffect {
 
   void Load(const Scenario& s, Scene& scene, RunContext& context) const override {
     if (!scene.plan.Writes(ports::kShape)) return;
-    const forces::ForceTable table =
-        scene.force_from_tissue
-            ? forces::ReadForceTable(s.tissue->table).ScaledTo(scene.needle->beam.outer_diameter_mm)
-            : scene.forces->table();
+    const forces::ForceTable table = scene.force_from_tissue
+                                         ? ForcesOf(s.patient, s.tissue->table, context)
+                                               .ScaledTo(scene.needle->beam.outer_diameter_mm)
+                                         : scene.forces->table();
     std::optional<mechanics::ElasticityTable> elasticity;
     std::bitset<256> tissues;
     if (s.shape->model == scenario::NeedleModelKind::kBendable) {
-      elasticity = mechanics::ReadElasticityTable(s.shape->elasticity);
+      elasticity = ElasticityOf(s.patient, s.shape->elasticity, context);
       context.provenance.AddInput(s.shape->elasticity);
       tissues = TissuesOf(scene, *elasticity);
     }

@@ -119,7 +119,7 @@ class ProbeForceEffect final : public CoupledEffect {
 
   void Load(const Scenario& s, Scene& scene, RunContext& context) const override {
     if (!scene.plan.Writes(ports::kProbeForce)) return;
-    LoadProbeForce(*s.probe_force, scene);
+    LoadProbeForce(s, scene, context);
     if (!scene.probe_force_from_tissue) context.provenance.AddInput(s.probe_force->table);
   }
 
