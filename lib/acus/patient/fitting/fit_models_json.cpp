@@ -9,15 +9,6 @@ namespace {
 
 using nlohmann::json;
 
-json EstimateJson(const Estimate& e) {
-  json estimate = {{"value", e.value},
-                   {"standard_error", e.standard_error},
-                   {"low_95", e.low},
-                   {"high_95", e.high}};
-  if (e.at_bound) estimate["at_bound"] = true;
-  return estimate;
-}
-
 json RmsJson(const PhaseRms& rms) {
   return {{"insertion", rms.insertion_n}, {"hold", rms.hold_n}, {"retraction", rms.retraction_n}};
 }

@@ -132,9 +132,8 @@ json FitJson(const ForceCurve& curve, const PunctureCurveFit& fit) {
   const auto estimates = fit.Estimates();
   for (const auto& [name, estimate] : estimates) {
     const Estimate joint = estimate.AmongSeveral(static_cast<int>(estimates.size()));
-    parameters[name] = {{"value", estimate.value},   {"standard_error", estimate.standard_error},
-                        {"low_95", estimate.low},    {"high_95", estimate.high},
-                        {"joint_low_95", joint.low}, {"joint_high_95", joint.high}};
+    parameters[name] = EstimateJson(estimate);
+    parameters[name].update({{"joint_low_95", joint.low}, {"joint_high_95", joint.high}});
   }
   json punctures = json::array();
   for (std::size_t i = 0; i < fit.phases.punctures.size(); ++i) {

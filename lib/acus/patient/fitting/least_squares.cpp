@@ -5,6 +5,7 @@
 #include <ceres/ceres.h>
 #include <cmath>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "acus/base/core/error.h"
 #include "acus/base/math/distributions.h"
@@ -116,6 +117,15 @@ double Inflation(std::span<const double> residual) {
     sum += 2.0 * product / variance;
   }
   return sum;
+}
+
+nlohmann::json EstimateJson(const Estimate& estimate) {
+  nlohmann::json block = {{"value", estimate.value},
+                          {"standard_error", estimate.standard_error},
+                          {"low_95", estimate.low},
+                          {"high_95", estimate.high}};
+  if (estimate.at_bound) block["at_bound"] = true;
+  return block;
 }
 
 Estimate Estimate::Normal(double value, double standard_error) {

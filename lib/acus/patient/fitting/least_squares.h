@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <functional>
 #include <limits>
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -34,6 +35,9 @@ struct Estimate {
   /// The interval such that k of them hold all at once with 95 % (Bonferroni).
   Estimate AmongSeveral(int num_intervals) const;
 };
+
+/// {"value", "standard_error", "low_95", "high_95"}, and "at_bound": true where it is.
+nlohmann::json EstimateJson(const Estimate& estimate);
 
 /// value and d(value)/d(parameters) at x. @param gradient  as long as the parameters.
 using SampleModel =

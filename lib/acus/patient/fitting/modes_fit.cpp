@@ -394,11 +394,7 @@ json ModesJson(const ModesTest& test, const ModesFit& fit) {
       continue;
     }
     for (std::size_t k = 0; k < law.parameters.size(); ++k) {
-      const Estimate& e = law.parameters[k];
-      block["parameters"][law.parameter_names[k]] = {{"value", e.value},
-                                                     {"standard_error", e.standard_error},
-                                                     {"low_95", e.low},
-                                                     {"high_95", e.high}};
+      block["parameters"][law.parameter_names[k]] = EstimateJson(law.parameters[k]);
     }
     block["relative_rms"] = law.relative_rms;
     for (const LoadMode mode : kLoadModes) {

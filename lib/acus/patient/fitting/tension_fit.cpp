@@ -148,15 +148,6 @@ LawFit FitLaw(HyperelasticLaw law, const TensionTest& test, const Loading& loadi
   return result;
 }
 
-json EstimateOf(const Estimate& e) {
-  json estimate = {{"value", e.value},
-                   {"standard_error", e.standard_error},
-                   {"low_95", e.low},
-                   {"high_95", e.high}};
-  if (e.at_bound) estimate["at_bound"] = true;
-  return estimate;
-}
-
 }  // namespace
 
 TensionTest ReadTensionTest(const std::filesystem::path& path) {
@@ -233,9 +224,9 @@ json TensionJson(const TensionTest& test, const TensionFit& fit) {
       continue;
     }
     for (std::size_t k = 0; k < law.parameters.size(); ++k) {
-      block["parameters"][ParametersOf(law.law)[k]] = EstimateOf(law.parameters[k]);
+      block["parameters"][ParametersOf(law.law)[k]] = EstimateJson(law.parameters[k]);
     }
-    block["slack_mm"] = EstimateOf(law.slack_mm);
+    block["slack_mm"] = EstimateJson(law.slack_mm);
     block["rms_mpa"] = law.rms_mpa;
     block["relative_rms"] = law.relative_rms;
     block["aic"] = law.aic;
