@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "acus/base/core/run_context.h"
-#include "acus/data/session/session.h"
 #include "acus/base/report/svg_plot.h"
+#include "acus/data/session/session.h"
 #include "acus/run/replay/run_metrics.h"
 #include "acus/run/replay/step_log.h"
 #include "acus/scene/scenario/scenario.h"

@@ -17,6 +17,7 @@
 #include "acus/run/replay/pain_sound.h"
 #include "acus/run/replay/plan_table.h"
 #include "acus/run/replay/run_folder.h"
+#include "acus/run/replay/run_warnings.h"
 #include "acus/run/replay/trace.h"
 #include "acus/run/replay/training_log.h"
 #include "acus/scene/simulation/scene.h"
@@ -173,6 +174,9 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
   if (labelled) labelled->Finish();
   run.effects = RenderEffectImages(scene, moments, run.steps, into, options, &run.times, context);
   run.cpu_s = ProcessCpuSeconds() - begin_s;
+  for (const std::string& warning : RunWarnings(scene, run.steps, MomentsOfScene(moments))) {
+    context.Warn(warning);
+  }
   if (scenario.patient.num_others > 0) {
     run.others = RangeOverPatients(scenario, run.session, AvailableIn(run.session), context);
   }

@@ -18,35 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 using simulation::Scene;
 
-std::vector<std::string> WarningsOf(const Scene& scene, const Run& run) {
+std::vector<std::string> ShownWarnings(const Run& run) {
   std::vector<std::string> warnings = run.warnings;
-  const auto& state = forces::TrackOf(run.steps.final_state.force);
-  if (state.num_rejected > 0) {
-    warnings.push_back(Message(state.num_rejected, " needle samples were not finite"));
-  }
-  const auto& probe = forces::GateOf(run.steps.final_state.probe);
-  if (probe.num_rejected > 0) {
-    warnings.push_back(Message(probe.num_rejected, " probe samples were no poses in a room"));
-  }
-  const bool felt =
-      std::ranges::any_of(run.steps.steps, [](const auto& step) { return step.probe.on_skin; });
-  if (scene.plan.Writes(effects::ports::kProbeForce) && !felt) {
-    warnings.emplace_back(
-        "the probe never touched the skin: is the transform right? On a mannequin that does not "
-        "yield it only lies on it; /effects/probe_force/press_mm takes it deeper");
-  }
-  const bool is_in_body = std::ranges::any_of(
-      run.steps.steps, [](const auto& step) { return step.force.depth_mm > 0.0; });
-  if (scene.plan.Writes(effects::ports::kForce) && run.steps.final_state.needle_seen &&
-      !is_in_body) {
-    warnings.emplace_back(
-        "the needle was never in the body, so that it felt no force: is the transform right?");
-  }
-  const auto& rod = run.steps.final_state.shape.needle.rod;
-  if (rod.num_not_converged > 0) {
-    warnings.push_back(Message("the bendable needle was not quite at rest in ",
-                               rod.num_not_converged, " steps; it continued in the next"));
-  }
   for (std::string& warning : warnings) warning = ShownText(std::move(warning));
   return warnings;
 }
@@ -64,7 +37,7 @@ void WriteRunJson(const fs::path& path, const scenario::Scenario& scenario, cons
                              {"images", run.images.num_images},
                              {"effect_plan", simulation::PlanJson(scene.plan, run.times)},
                              {"events", EventsJson(EventsOf(scene, run.steps))},
-                             {"warnings", WarningsOf(scene, run)}};
+                             {"warnings", ShownWarnings(run)}};
   if (run.cpu_s) {
     document["cpu_seconds"] = *run.cpu_s;
   } else {
@@ -121,7 +94,7 @@ void WriteRunFolder(const fs::path& folder, const scenario::Scenario& scenario, 
     const auto facts = FactsOf(*run.cost);
     content.facts.insert(content.facts.end(), facts.begin(), facts.end());
   }
-  content.warnings = WarningsOf(scene, run);
+  content.warnings = ShownWarnings(run);
   content.metrics = run.metrics;
   content.assessment = run.assessment;
   content.others = run.others;

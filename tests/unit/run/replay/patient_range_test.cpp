@@ -89,12 +89,17 @@ TEST_F(PatientRangeReplay, TheOtherPatientsChangeNothingInTheRun) {
 }
 
 TEST_F(PatientRangeReplay, NeedsAForceAndNoComplianceOfOnePatient) {
-  EXPECT_THAT([&] { Run("x", 1, {{"/patient/stiffness/others", 2}, {"/effects/needle_force", nullptr}}); },
-              ThrowsMessage<InputError>(AllOf(HasSubstr("/patient/stiffness/others is 2"),
-                                              HasSubstr("needle_force"))));
-  EXPECT_THAT([&] {
-    Run("x", 1, {{"/patient/stiffness/others", 2}, {"/effects/tissue/model", "fe_3d"}});
-  }, ThrowsMessage<InputError>(HasSubstr("compliance")));
+  EXPECT_THAT(
+      [&] {
+        Run("x", 1, {{"/patient/stiffness/others", 2}, {"/effects/needle_force", nullptr}});
+      },
+      ThrowsMessage<InputError>(
+          AllOf(HasSubstr("/patient/stiffness/others is 2"), HasSubstr("needle_force"))));
+  EXPECT_THAT(
+      [&] {
+        Run("x", 1, {{"/patient/stiffness/others", 2}, {"/effects/tissue/model", "fe_3d"}});
+      },
+      ThrowsMessage<InputError>(HasSubstr("compliance")));
 }
 
 TEST_F(PatientRangeReplay, ATableThatDoesNotVaryIsNamed) {

@@ -262,7 +262,7 @@ TEST_F(Replay, ReportsWhenTheStepsOfAChecklistWereDone) {
               testing::ContainsRegex("Needle</td><td[^>]*>0.2"));
 }
 
-TEST_F(Replay, SaysThatTheNeedleWasNeverInTheBody) {
+TEST_F(Replay, SaysThatNeedleAndProbeWereNeverAtTheBody) {
   const auto warnings_of = [this](const char* run) {
     return config::ReadJson(folder_ / run / "run.json").at("warnings").dump();
   };
@@ -275,6 +275,10 @@ TEST_F(Replay, SaysThatTheNeedleWasNeverInTheBody) {
       {"/patient/ct_from_reference", {1, 0, 0, 500, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}});
   Run("beside", 1, beside);
   EXPECT_THAT(warnings_of("beside"), HasSubstr("never in the body"));
+  Run("image", 1, {beside.back()});
+  EXPECT_THAT(warnings_of("image"), HasSubstr("no image shows the body"));
+  Run("all", 1);
+  EXPECT_EQ(warnings_of("all"), "[]");
 }
 
 TEST_F(Replay, WritesOneImagePerPeriod) {
