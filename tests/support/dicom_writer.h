@@ -27,6 +27,7 @@ struct DicomSlice {
   double intercept = 0.0;
   int temporal_position = 0;         ///< 0: not written.
   std::vector<std::int16_t> stored;  ///< columns x rows.
+  std::string frame_uid = "";        ///< Frame of Reference UID; empty: not written.
 };
 
 class DicomBytes {
@@ -97,6 +98,7 @@ inline void WriteDicomSlice(const std::filesystem::path& path, const DicomSlice&
   body.Element(0x20, 0x0E, "UI", slice.series_uid);
   body.Element(0x20, 0x32, "DS", DicomText(slice.position_mm));
   body.Element(0x20, 0x37, "DS", DicomText(slice.column_axis) + "\\" + DicomText(slice.row_axis));
+  if (!slice.frame_uid.empty()) body.Element(0x20, 0x52, "UI", slice.frame_uid);
   if (slice.temporal_position > 0) {
     body.Element(0x20, 0x100, "IS", std::to_string(slice.temporal_position));
   }

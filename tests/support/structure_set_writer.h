@@ -15,6 +15,13 @@ struct StructureSetRoi {
   std::string type = "ORGAN";  ///< RT ROI interpreted type.
   std::vector<Contour> contours = {};
   std::string geometry = "CLOSED_PLANAR";
+  std::string frame_uid = "";  ///< Referenced Frame of Reference UID; empty: not written.
+};
+
+/// What a structure set was drawn on; empty: not written.
+struct StructureSetReference {
+  std::string frame_uid = "";
+  std::string series_uid = "";
 };
 
 /// A circle in the plane z.
@@ -30,12 +37,14 @@ inline Contour CircleContour(double x_mm, double y_mm, double z_mm, double radiu
 }
 
 inline void WriteStructureSet(const std::filesystem::path& path,
-                              const std::vector<StructureSetRoi>& rois) {
+                              const std::vector<StructureSetRoi>& rois,
+                              const StructureSetReference& reference = {}) {
   std::vector<DicomBytes> names, contours_of_rois, observations;
   for (const StructureSetRoi& roi : rois) {
     const std::string number = std::to_string(names.size() + 7);
     DicomBytes name, of_roi, observation;
     name.Element(0x3006, 0x22, "IS", number);
+    if (!roi.frame_uid.empty()) name.Element(0x3006, 0x24, "UI", roi.frame_uid);
     name.Element(0x3006, 0x26, "LO", roi.name);
     std::vector<DicomBytes> contours;
     for (const Contour& points : roi.contours) {
@@ -60,6 +69,14 @@ inline void WriteStructureSet(const std::filesystem::path& path,
   meta.Element(2, 0x10, "UI", "1.2.840.10008.1.2.1");
   body.Element(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.481.3");
   body.Element(8, 0x60, "CS", "RTSTRUCT");
+  if (!reference.frame_uid.empty()) {
+    DicomBytes frame, study, series;
+    frame.Element(0x20, 0x52, "UI", reference.frame_uid);
+    if (!reference.series_uid.empty()) series.Element(0x20, 0xE, "UI", reference.series_uid);
+    study.Sequence(0x3006, 0x14, {series});
+    frame.Sequence(0x3006, 0x12, {study});
+    body.Sequence(0x3006, 0x10, {frame});
+  }
   body.Sequence(0x3006, 0x20, names);
   body.Sequence(0x3006, 0x39, contours_of_rois);
   body.Sequence(0x3006, 0x80, observations);

@@ -48,11 +48,16 @@ def keyhole(z):
     return outer + outer[:1] + inner + inner[:1]
 
 
-def structure_set(path, rois, implicit=False, undefined=False, observations=True, syntax=None):
+def structure_set(path, rois, implicit=False, undefined=False, observations=True, syntax=None, frame=None, series=None,
+                  roi_frames=()):
+    """@param frame, series  What it was drawn on (Referenced Frame of Reference Sequence)."""
     new = lambda: Dicom(implicit)
     names, contours, seen = [], [], []
     for n, (name, kind, loops) in enumerate(rois):
-        names.append(new().add(0x3006, 0x22, "IS", str(n + 3)).add(0x3006, 0x26, "LO", name))
+        names.append(new().add(0x3006, 0x22, "IS", str(n + 3)))
+        if n < len(roi_frames):
+            names[-1].add(0x3006, 0x24, "UI", roi_frames[n])
+        names[-1].add(0x3006, 0x26, "LO", name)
         items = []
         for loop in loops:
             geometry = "POINT" if len(loop) == 1 else "CLOSED_PLANAR"
@@ -61,6 +66,10 @@ def structure_set(path, rois, implicit=False, undefined=False, observations=True
         contours.append(new().sequence(0x3006, 0x40, items, undefined).add(0x3006, 0x84, "IS", str(n + 3)))
         seen.append(new().add(0x3006, 0x82, "IS", "1").add(0x3006, 0x84, "IS", str(n + 3)).add(0x3006, 0xA4, "CS", kind))
     data = new().add(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.481.3").add(8, 0x60, "CS", "RTSTRUCT")
+    if frame:
+        of_series = new().add(0x20, 0xE, "UI", series or "")
+        study = new().sequence(0x3006, 0x14, [of_series], undefined)
+        data.sequence(0x3006, 0x10, [new().add(0x20, 0x52, "UI", frame).sequence(0x3006, 0x12, [study], undefined)], undefined)
     data.sequence(0x3006, 0x20, names, undefined).sequence(0x3006, 0x39, contours, undefined)
     if observations:
         data.sequence(0x3006, 0x80, seen, undefined)
@@ -114,8 +123,12 @@ def code(value, scheme="SCT", meaning="x", implicit=False):
 
 
 def segmentation(path, frames, kind="BINARY", bits=1, label="Liver", sct="10200004", compress=None, syntax=None,
-                 undefined=False, largest=255, value=liver_value):
+                 undefined=False, largest=255, value=liver_value, frame=None, series=None):
     data = Dicom().add(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.66.4").add(8, 0x60, "CS", "SEG")
+    if series:
+        data.sequence(8, 0x1115, [Dicom().add(0x20, 0xE, "UI", series)], undefined)
+    if frame:
+        data.add(0x20, 0x52, "UI", frame)
     data.add(0x28, 2, "US", 1).add(0x28, 4, "CS", "MONOCHROME2").add(0x28, 8, "IS", str(len(frames)))
     data.add(0x28, 0x10, "US", SIZE[1]).add(0x28, 0x11, "US", SIZE[0]).add(0x28, 0x100, "US", bits)
     data.add(0x28, 0x101, "US", bits).add(0x28, 0x102, "US", bits - 1).add(0x28, 0x103, "US", 0)

@@ -27,6 +27,7 @@ import labels
 import live
 import measure
 import mistaken
+import ordinary
 import shapes
 import run_reports
 import tables
@@ -108,7 +109,7 @@ MAKERS = [tables.curve_cases, tables.unit_cases, tables.force_cases, images.nift
           frames.transform_cases, frames.tracker_cases, frames.session_cases, labels.structure_cases,
           labels.segmentation_cases, labels.map_cases, cameras.cases, live.cases,
           exports.machine_cases, exports.landmark_cases, exports.tracker_cases, exports.volume_cases,
-          exports.surface_cases, mistaken.cases]
+          exports.surface_cases, mistaken.cases, ordinary.cases]
 
 if __name__ == "__main__":
     sys.exit(main())

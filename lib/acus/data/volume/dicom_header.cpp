@@ -194,6 +194,7 @@ DicomHeader HeaderFrom(const Walker& walker, const fs::path& path) {
   header.file = path;
   header.transfer_syntax = dicom.Text(kDicomTransferSyntax);
   header.series_uid = dicom.Text(0x0020000EU);
+  header.frame_uid = dicom.Text(0x00200052U);
   if (const auto time = dicom.Decimals(0x00200100U, 1); !time.empty()) {
     header.temporal_position = static_cast<int>(std::clamp(time[0], 0.0, 1e6));
   }

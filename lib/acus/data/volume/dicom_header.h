@@ -14,6 +14,7 @@ struct DicomHeader {
   std::filesystem::path file;
   std::string transfer_syntax;  ///< UID; empty for a file without a meta header.
   std::string series_uid;       ///< May be empty.
+  std::string frame_uid;        ///< Frame of Reference UID; may be empty.
   std::string description;
   int temporal_position = 0;  ///< Temporal Position Identifier, of a scan over time; 0: none.
   std::string modality;       ///< "CT", "MR", "SEG", ...

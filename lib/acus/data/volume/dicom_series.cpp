@@ -7,9 +7,11 @@
 #include "acus/base/core/parallel.h"
 #include "acus/base/core/text_table.h"
 #include "acus/base/math/statistics.h"
+#include "acus/data/volume/dicom_frame.h"
 #include "acus/data/volume/dicom_groups.h"
 #include "acus/data/volume/dicom_header.h"
 #include "acus/data/volume/dicom_pixels.h"
+#include "acus/data/volume/scalar_file.h"
 #include "acus/data/volume/volume_io.h"
 
 namespace acus::volume {
@@ -243,6 +245,16 @@ std::vector<DicomSeries> ListDicomSeries(const fs::path& folder) {
   std::vector<DicomSeries> series;
   for (Group& group : SliceGroupsIn(folder, 1)) series.push_back(std::move(group.series));
   return series;
+}
+
+DicomFrame FrameOfCt(const fs::path& ct, const std::string& series, int num_threads) {
+  if (!fs::is_directory(ct) && (IsScalarFileName(ct) || !ReadDicomHeader(ct))) return {};
+  const Group group = Chosen(ct, series, SliceGroupsIn(ct, num_threads));
+  const DicomHeader& first = group.headers.front();
+  DicomFrame frame;
+  if (!first.frame_uid.empty()) frame.uids = {first.frame_uid};
+  if (!first.series_uid.empty()) frame.series = {first.series_uid};
+  return frame;
 }
 
 std::string SeriesTable(const fs::path& folder, const RunContext& context) {

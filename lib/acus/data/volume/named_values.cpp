@@ -24,7 +24,7 @@ NamedValues FromLayers(const std::filesystem::path& path, int layers) {
   std::map<std::string, std::string> keys;
   const auto grids = ReadIntegerLayers(path, layers, keys);
   std::vector<NamedMask> masks;
-  for (const LayeredSegment& segment : SegmentsFromKeys(keys)) {
+  for (const LayeredSegment& segment : SegmentsFromKeys(keys, path.string())) {
     ACUS_REQUIRE(segment.layer < layers, path.string(), ": segment '", segment.name.text,
                  "' is in layer ", segment.layer, ", but there are ", layers, "; export it again");
     masks.push_back(
@@ -72,7 +72,7 @@ NamedValues ReadNamedValues(const std::filesystem::path& path) {
     map.names = NiftiLabelTable(copy ? copy->path() : path);
     if (!map.names.empty()) map.named_by = "by the label table in its header";
   } else {
-    for (LayeredSegment& segment : SegmentsFromKeys(keys)) {
+    for (LayeredSegment& segment : SegmentsFromKeys(keys, path.string())) {
       map.names[segment.value] = std::move(segment.name);
     }
     if (!map.names.empty()) map.named_by = kBySegments;

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <nlohmann/json.hpp>
 
+#include "acus/base/core/error.h"
+#include "acus/base/core/number_text.h"
+#include "acus/base/core/xml_scan.h"
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/terminology.h"
 
@@ -31,6 +35,62 @@ std::array<Extent, 256> Extents(const Grid<Label>& labels) {
     }
   }
   return extents;
+}
+
+/// Line ends of a header are written as "\\n".
+std::string WithLineEnds(std::string text) {
+  for (std::size_t at = text.find("\\n"); at != text.npos; at = text.find("\\n", at)) {
+    text.replace(at, 2, "\n");
+  }
+  return text;
+}
+
+/// The labels of MITK: groups in a JSON text (from 2023 on), or an XML text for each label.
+std::vector<LayeredSegment> SegmentsOfMitk(const std::map<std::string, std::string>& keys,
+                                           const std::string& label) {
+  std::vector<LayeredSegment> segments;
+  const auto add = [&](int layer, std::int32_t value, std::string name) {
+    if (value == 0) return;  // "Exterior".
+    segments.push_back(
+        {.layer = layer, .value = value, .name = {.text = std::move(name), .codes = {}}});
+  };
+  if (const auto groups = keys.find("org.mitk.multilabel.segmentation.labelgroups");
+      groups != keys.end()) {
+    try {
+      int layer = 0;
+      for (const auto& group : nlohmann::json::parse(groups->second)) {
+        for (const auto& entry : group.at("labels")) {
+          add(layer, entry.at("value").get<std::int32_t>(), entry.at("name").get<std::string>());
+        }
+        ++layer;
+      }
+    } catch (const nlohmann::json::exception&) {
+      throw InputError(label +
+                       ": the label groups of MITK in its header are broken; save it again");
+    }
+  }
+  for (const auto& [key, text] : keys) {
+    // "org.mitk.label_000_00001": layer and number; older versions write '_' for '.'.
+    const auto at = key.find("mitk");
+    if (!key.starts_with("org") || at == key.npos || key.substr(at + 5, 6) != "label_") continue;
+    const auto layer = ParseNumber<int>(key.substr(at + 11, 3));
+    if (!layer) continue;
+    const core::XmlElement* property = nullptr;
+    std::int32_t value = 0;
+    std::string name;
+    const auto elements = core::ScanXml(WithLineEnds(text), label + " (" + key + ")");
+    for (const core::XmlElement& element : elements) {
+      if (element.name == "property") property = &element;
+      if (property == nullptr || &element == property) continue;
+      const std::string content = element.Attribute("value").value_or("");
+      if (property->Attribute("key") == "name") name = content;
+      if (property->Attribute("key") == "value") {
+        value = ParseNumber<std::int32_t>(content).value_or(0);
+      }
+    }
+    add(*layer, value, name);
+  }
+  return segments;
 }
 
 }  // namespace
@@ -64,8 +124,9 @@ std::map<std::string, std::string> SegmentKeys(const Grid<Label>& labels,
   return keys;
 }
 
-std::vector<LayeredSegment> SegmentsFromKeys(const std::map<std::string, std::string>& keys) {
-  std::vector<LayeredSegment> segments;
+std::vector<LayeredSegment> SegmentsFromKeys(const std::map<std::string, std::string>& keys,
+                                             const std::string& label) {
+  std::vector<LayeredSegment> segments = SegmentsOfMitk(keys, label);
   for (const auto& [key, text] : keys) {
     if (!key.starts_with("Segment") || !key.ends_with("_LabelValue")) continue;
     const std::string prefix = key.substr(0, key.size() - std::string("LabelValue").size());

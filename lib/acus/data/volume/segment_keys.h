@@ -1,4 +1,4 @@
-// The header fields by which 3D Slicer recognises a segmentation in an NRRD file.
+// The header fields by which 3D Slicer, and MITK, recognise a segmentation in an NRRD file.
 #pragma once
 
 #include <map>
@@ -24,7 +24,10 @@ struct LayeredSegment {
   ValueName name;  ///< Its name, and the SNOMED CT codes of its terminology (type, then region).
 };
 
-/// All segments that such fields name; fields that are not understood are omitted.
-std::vector<LayeredSegment> SegmentsFromKeys(const std::map<std::string, std::string>& keys);
+/// All segments that such fields name, or the label groups of MITK, each of which is a layer;
+/// fields that are not understood are omitted.
+/// @throws InputError naming `label` if the label groups of MITK are broken.
+std::vector<LayeredSegment> SegmentsFromKeys(const std::map<std::string, std::string>& keys,
+                                             const std::string& label);
 
 }  // namespace acus::volume

@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint32_t kRois = 0x30060020U;
 constexpr std::uint32_t kRoiNumber = 0x30060022U;
+constexpr std::uint32_t kRoiFrame = 0x30060024U;
 constexpr std::uint32_t kRoiName = 0x30060026U;
 constexpr std::uint32_t kRoiContours = 0x30060039U;
 constexpr std::uint32_t kContours = 0x30060040U;
@@ -44,6 +45,7 @@ struct Roi {
   int number = 0;
   ValueName name;
   std::string type;
+  std::string frame_uid;
   std::vector<Points> contours;
 };
 
@@ -64,6 +66,7 @@ std::vector<Roi> RoisOf(const DicomItem& root) {
     Roi& roi = rois.emplace_back();
     roi.number = WholeNumber(item, kRoiNumber);
     roi.name.text = item.Text(kRoiName);
+    roi.frame_uid = item.Text(kRoiFrame);
   }
   for (const DicomItem& item : ItemsOf(root, kObservations)) {
     const auto roi = std::ranges::find(rois, WholeNumber(item, kReferencedRoi), &Roi::number);
@@ -267,6 +270,20 @@ std::vector<std::uint32_t> VoxelsOf(const Roi& roi, int axis, const Geometry& gr
   return voxels;
 }
 
+/// Omits the ROIs of another frame of reference, if one is of that of the CT.
+void OmitOtherFrames(const std::vector<std::string>& frame_uids, std::vector<Roi>& rois,
+                     std::vector<std::string>& omitted) {
+  const auto is_of_ct = [&](const Roi& roi) {
+    return std::ranges::find(frame_uids, roi.frame_uid) != frame_uids.end();
+  };
+  if (std::ranges::none_of(rois, is_of_ct)) return;
+  std::erase_if(rois, [&](const Roi& roi) {
+    const bool is_other = !roi.frame_uid.empty() && !is_of_ct(roi);
+    if (is_other) omitted.push_back(roi.name.text + " (another frame of reference)");
+    return is_other;
+  });
+}
+
 }  // namespace
 
 bool IsStructureSet(const fs::path& path) {
@@ -274,13 +291,15 @@ bool IsStructureSet(const fs::path& path) {
   return header && header->modality == "RTSTRUCT";
 }
 
-NamedValues ReadStructureSet(const fs::path& path, const Geometry& grid) {
+NamedValues ReadStructureSet(const fs::path& path, const Geometry& grid,
+                             const std::vector<std::string>& frame_uids) {
   ACUS_REQUIRE(grid.num_voxels() < 0xFFFFFFFFU, path.string(), ": the CT has ", grid.num_voxels(),
                " voxels; structures are read on grids of less than 2^32");
   const DicomDataSet data = ReadDicomDataSet(path);
   std::vector<Roi> rois = RoisOf(data.root);
   std::vector<std::string> omitted;
   ReadContours(data.root, grid, path, rois);
+  OmitOtherFrames(frame_uids, rois, omitted);
   std::erase_if(rois, [&](const Roi& roi) {
     const bool is_tissue = std::ranges::find(kNoTissue, roi.type) == kNoTissue.end();
     if (!is_tissue) omitted.push_back(Message(roi.name.text, " (", roi.type, ")"));

@@ -18,9 +18,12 @@ bool IsStructureSet(const std::filesystem::path& path);
 /// contours are holes, keyhole contours leave one, and identical copies of a contour count once. A
 /// slice of the CT without a contour takes the contours of the nearest plane within half of the
 /// ROI's distance between planes. ROIs that are no part of the body (PTV, support, marker, ...) are
-/// omitted, which `named_by` says. Where ROIs overlap, the one with fewer voxels remains.
+/// omitted, and so are ROIs of another frame of reference if one is of `frame_uids`; `named_by`
+/// says which. Where ROIs overlap, the one with fewer voxels remains.
+/// @param frame_uids  Frame of Reference UID of the CT; empty: not known.
 /// @throws InputError if the file is broken, contours do not lie in planes of the grid, or none of
 ///     them holds a voxel of it.
-NamedValues ReadStructureSet(const std::filesystem::path& path, const Geometry& grid);
+NamedValues ReadStructureSet(const std::filesystem::path& path, const Geometry& grid,
+                             const std::vector<std::string>& frame_uids = {});
 
 }  // namespace acus::volume

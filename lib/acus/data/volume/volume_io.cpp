@@ -135,9 +135,9 @@ void RequireCtBySidecar(const fs::path& path) {
                         fs::is_regular_file(sidecar, error) &&
                         fs::file_size(sidecar, error) <= kMostBytes;
   if (!is_there) return;
-  const std::string json = ReadTextFile(sidecar);
-  RequireJsonDepth(json, sidecar.string());
-  const auto document = nlohmann::json::parse(json, nullptr, /*allow_exceptions=*/false);
+  const std::string bytes = ReadTextFile(sidecar);
+  RequireJsonDepth(bytes, sidecar.string());
+  const auto document = nlohmann::json::parse(bytes, nullptr, /*allow_exceptions=*/false);
   const auto text = [&](const char* key) {
     const bool has = document.is_object() && document.contains(key) && document[key].is_string();
     return has ? document[key].get<std::string>() : std::string();

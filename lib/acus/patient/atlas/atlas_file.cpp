@@ -24,7 +24,9 @@ std::vector<AtlasPatient> ReadAtlas(const fs::path& folder, RunContext& context)
          .ct = place("ct"),
          .series = node.at("series"),
          .labels = {.file = place("labels"),
-                    .mapping = mapping.empty() ? "" : config::FindConfig(mapping, folder)}});
+                    .mapping = mapping.empty() ? "" : config::FindConfig(mapping, folder),
+                    .ct = place("ct"),
+                    .series = node.at("series")}});
   }
   context.provenance.AddInput(file);
   for (const AtlasPatient& patient : patients) {

@@ -8,12 +8,16 @@
 namespace acus::segmentation {
 namespace {
 
-/// What --mapping says of the label map with this number.
+/// What the options say of the label map with this number.
 ForeignLabels Foreign(const std::filesystem::path& file, std::size_t number,
-                      const std::vector<std::filesystem::path>& mappings, RunContext& context) {
-  ForeignLabels labels{.file = file, .mapping = {}};
-  if (!mappings.empty()) {
-    labels.mapping = mappings[std::min(number, mappings.size() - 1)];
+                      const SegmentOptions& options, RunContext& context) {
+  ForeignLabels labels{.file = file,
+                       .mapping = {},
+                       .ct = options.ct,
+                       .series = options.series,
+                       .accept_other_frame = options.accept_implausible};
+  if (!options.mappings.empty()) {
+    labels.mapping = options.mappings[std::min(number, options.mappings.size() - 1)];
     context.provenance.AddInput(labels.mapping);
   }
   context.provenance.AddInput(file);
@@ -35,13 +39,13 @@ Examination SegmentOptions::ToExamine() const {
 ImportOptions SegmentOptions::ToImport(RunContext& context) const {
   ImportOptions out{.maps = {}, .accept_implausible = accept_implausible};
   for (const auto& path : imports) {
-    out.maps.push_back(Foreign(path, out.maps.size(), mappings, context));
+    out.maps.push_back(Foreign(path, out.maps.size(), *this, context));
   }
   return out;
 }
 
 ForeignLabels SegmentOptions::Reference(RunContext& context) const {
-  return Foreign(reference, 0, mappings, context);
+  return Foreign(reference, 0, *this, context);
 }
 
 void AddSegmentOptions(CLI::App& app, SegmentOptions& options) {
@@ -70,15 +74,17 @@ void AddSegmentOptions(CLI::App& app, SegmentOptions& options) {
   auto* mapping_option =
       app.add_option(
              "--mapping", options.mappings,
-             "What the values of that label map mean (format acus-label-mapping/1, by "
-             "value, or acus-label-names/1, by name), one for all or one for each --import; "
-             "default: the names that the map gives, otherwise label_maps/acus.json for "
+             "What the values of that label map mean: a file that names them (label description "
+             "of ITK-SNAP, colour table of 3D Slicer, dataset.json, ...), or format "
+             "acus-label-mapping/1, by value, or acus-label-names/1, by name; one for all or one "
+             "for each --import; default: the names that the map gives, otherwise "
+             "label_maps/acus.json for "
              ".seg.nrrd, else label_maps/totalsegmentator.json")
           ->allow_extra_args(false)
           ->check(CLI::ExistingFile);
-  app.add_flag("--accept-implausible", options.accept_implausible,
-               "Import a map although it cannot be of this patient: only warn")
-      ->needs(import_option);
+  auto* accept_option = app.add_flag("--accept-implausible", options.accept_implausible,
+                                     "Take a map although it cannot be of this patient, or is in "
+                                     "another frame of reference: only warn");
   app.add_option("--atlas", options.atlas,
                  "Folder with labelled CTs of other patients (atlas.json): liver, kidneys, spleen")
       ->check(CLI::ExistingDirectory);
@@ -90,16 +96,21 @@ void AddSegmentOptions(CLI::App& app, SegmentOptions& options) {
   app.add_flag("--certainty", options.certainty,
                "Also say where the labels depend on the thresholds; takes three times as long");
   app.add_option("-o,--output", options.folder, "Folder to write");
-  app.callback([&options, list_option, mapping_option, import_option, compare_option] {
-    if (options.folder.empty() && list_option->count() == 0) throw CLI::RequiredError("--output");
-    if (mapping_option->count() > 0 && import_option->count() + compare_option->count() == 0) {
-      throw CLI::RequiresError("--mapping", "--import or --compare");
-    }
-    const std::size_t maps = std::max<std::size_t>(options.imports.size(), 1);
-    if (options.mappings.size() > 1 && options.mappings.size() != maps) {
-      throw CLI::ValidationError("--mapping", "give one for all, or one for each --import");
-    }
-  });
+  app.callback(
+      [&options, list_option, mapping_option, accept_option, import_option, compare_option] {
+        if (options.folder.empty() && list_option->count() == 0)
+          throw CLI::RequiredError("--output");
+        const bool has_map = import_option->count() + compare_option->count() > 0;
+        for (const auto* option : {mapping_option, accept_option}) {
+          if (option->count() > 0 && !has_map) {
+            throw CLI::RequiresError(option->get_name(), "--import or --compare");
+          }
+        }
+        const std::size_t maps = std::max<std::size_t>(options.imports.size(), 1);
+        if (options.mappings.size() > 1 && options.mappings.size() != maps) {
+          throw CLI::ValidationError("--mapping", "give one for all, or one for each --import");
+        }
+      });
 }
 
 }  // namespace acus::segmentation

@@ -50,5 +50,44 @@ TEST(NamedValues, RefuseLayersWithoutSegmentsOrBeyondTheFile) {
           "segment 'liver' is in layer 2, but there are 2");
 }
 
+TEST(NamedValues, AreThoseOfTheGroupsOfMitk) {
+  const testing_support::TemporaryFolder folder;
+  WriteTextFile(folder / "s.nrrd",
+                TwoLayers("modality:=org.mitk.multilabel.segmentation\n"
+                          "org.mitk.multilabel.segmentation.labelgroups:="
+                          R"([{"labels": [{"name": "liver", "value": 1, "color": [1, 0, 0]},)"
+                          R"( {"name": "spleen", "value": 2}]}, {"labels": [{"name": "tumour",)"
+                          R"( "value": 1}]}])"
+                          "\n"));
+  const NamedValues map = ReadNamedValues(folder / "s.nrrd");
+  EXPECT_THAT(map.values.voxels, ElementsAre(1, 3, 1, 2));
+  EXPECT_EQ(map.names.at(2).text, "spleen");
+  EXPECT_EQ(map.names.at(3).text, "tumour");
+
+  // Before 2023: an XML text for each label.
+  const std::string name = "<property key=\"name\" type=\"StringProperty\"><string value=\"";
+  const std::string value =
+      "\"/></property>\\n<property key=\"value\" type=\"UIntProperty\"><unsigned value=\"";
+  const std::string begin = "<?xml version=\"1.0\"?>\\n<Label version=\"1\">\\n",
+                    end = "\"/></property></Label>\n";
+  WriteTextFile(
+      folder / "old.nrrd",
+      TwoLayers("modality:=org.mitk.image.multilabel\nlayers:=2\nlayer_000:=3\n"
+                "org_mitk_label_000_00000:=" +
+                begin + name + "Exterior" + value + "0" + end +
+                "org_mitk_label_000_00001:=" + begin + name + "liver" + value + "1" + end +
+                "org_mitk_label_000_00002:=" + begin + name + "spleen" + value + "2" + end +
+                "org_mitk_label_001_00001:=" + begin + name + "tumour" + value + "1" + end));
+  const NamedValues old = ReadNamedValues(folder / "old.nrrd");
+  EXPECT_THAT(old.values.voxels, ElementsAre(1, 3, 1, 2));
+  EXPECT_EQ(old.names.at(1).text, "liver");
+
+  WriteTextFile(folder / "broken.nrrd",
+                TwoLayers("org.mitk.multilabel.segmentation.labelgroups:=[{\"labels\": [{}]}]\n"));
+  EXPECT_THAT(
+      [&] { ReadNamedValues(folder / "broken.nrrd"); },
+      ThrowsMessage<InputError>(HasSubstr("label groups of MITK in its header are broken")));
+}
+
 }  // namespace
 }  // namespace acus::volume

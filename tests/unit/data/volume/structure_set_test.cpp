@@ -149,5 +149,20 @@ TEST_F(StructureSet, AnyCutIsAnErrorAndNothingWorse) {
   EXPECT_GT(refused, 50);
 }
 
+TEST_F(StructureSet, OmitsRoisOfAnotherFrameOfReference) {
+  const std::vector<Contour> contours = {CircleContour(0, 0, 110, 10),
+                                         CircleContour(0, 0, 112, 10)};
+  testing_support::WriteStructureSet(
+      folder_ / "s.dcm", {{.name = "Liver", .contours = contours, .frame_uid = "1.2"},
+                          {.name = "GTV_MR", .contours = contours, .frame_uid = "1.3"},
+                          {.name = "Spleen", .contours = {CircleContour(15, 0, 110, 2)}}});
+  const NamedValues map = ReadStructureSet(folder_ / "s.dcm", Grid50(), {"1.2"});
+  EXPECT_EQ(map.names.size(), 2U);
+  EXPECT_THAT(map.named_by, HasSubstr("omitted: GTV_MR (another frame of reference)"));
+  // All are taken where the CT's is not known, or is that of none: the caller asks.
+  EXPECT_EQ(ReadStructureSet(folder_ / "s.dcm", Grid50()).names.size(), 3U);
+  EXPECT_EQ(ReadStructureSet(folder_ / "s.dcm", Grid50(), {"1.9"}).names.size(), 3U);
+}
+
 }  // namespace
 }  // namespace acus::volume

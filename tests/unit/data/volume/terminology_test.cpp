@@ -69,7 +69,8 @@ TEST(SegmentsFromKeys, HaveLayerNameAndCodes) {
                         {"Segment1_LabelValue", "2"},
                         {"Segment1_Name", "liver"},
                         {"Segment2_LabelValue", "nothing"},
-                        {"Segment2_Name", "spleen"}});
+                        {"Segment2_Name", "spleen"}},
+                       "s.nrrd");
   ASSERT_EQ(segments.size(), 2U);
   EXPECT_EQ(segments[0].layer, 1);
   EXPECT_EQ(segments[0].value, 300);

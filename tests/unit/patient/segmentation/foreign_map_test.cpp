@@ -56,9 +56,46 @@ TEST(ForeignMap, TakesNamesFromAFileBesideIt) {
   EXPECT_THAT([&] { ReadForeignMap(inside / "case.nii", {}); },
               ThrowsMessage<InputError>(HasSubstr("case.json: value 7 is 'liver' and 'spleen'")));
 
+  // Regions of nnU-Net have no single value; names without values are of no use.
+  WriteTextFile(inside / "case.json", R"({"labels": {"background": 0, "whole": [1, 2]}})");
+  EXPECT_THAT([&] { ReadForeignMap(inside / "case.nii", {}); },
+              ThrowsMessage<InputError>(HasSubstr("'whole' is a region of the values [1,2]")));
+  WriteTextFile(inside / "case.json", R"({"labels": ["background", "liver"]})");
+  EXPECT_THAT([&] { ReadForeignMap(inside / "case.nii", {}); },
+              ThrowsMessage<InputError>(HasSubstr("a list of names without values")));
+  WriteTextFile(inside / "case.json", R"({"labels": [{"value": 7, "name": "colon"}]})");
+  EXPECT_EQ(NameIn(ReadForeignMap(inside / "case.nii", {}), 7), "colon");
+  WriteTextFile(inside / "case.json", R"({"7": {"name": "stomach", "color": [1, 2, 3]}})");
+  EXPECT_EQ(NameIn(ReadForeignMap(inside / "case.nii", {}), 7), "stomach");
+
+  // Label descriptions and colour tables.
+  WriteTextFile(inside / "case_ColorTable.ctbl", "7 bladder 1 2 3 255\n");
+  EXPECT_EQ(NameIn(ReadForeignMap(inside / "case.nii", {}), 7), "bladder");
+  WriteTextFile(inside / "case.txt", "7 1 2 3 1 1 1 \"trachea\"\n");
+  EXPECT_EQ(NameIn(ReadForeignMap(inside / "case.nii", {}), 7), "trachea");
+  EXPECT_EQ(ReadForeignMap(inside / "case.nii", {}).named_by, "by case.txt");
+
   // What the file says itself goes first.
   WriteNiftiLabels(inside / "case.nii", 2, 1, 1, {0, 7}, {NiftiLabelXml({{7, "heart"}})});
   EXPECT_EQ(NameIn(ReadForeignMap(inside / "case.nii", {}), 7), "heart");
+}
+
+TEST(ForeignMap, TakesNamesFromLabelsTxtAndTheStackOfMitkInItsFolder) {
+  const testing_support::TemporaryFolder folder;
+  WriteNiftiLabels(folder / "case.nii", 2, 1, 1, {0, 7}, {});
+  const std::string head = R"({"type": "org.mitk.multilabel.segmentation.stack", "groups": [)";
+  WriteTextFile(folder / "other.mitklabel.json",
+                head + R"({"_file": "./x.nii", "labels": [{"name": "liver", "value": 7}]}]})");
+  EXPECT_TRUE(ReadForeignMap(folder / "case.nii", {}).names.empty());
+  WriteTextFile(folder / "s.mitklabel.json",
+                head + R"({"_file": "./case.nii", "labels": [{"name": "spleen", "value": 7}]}]})");
+  EXPECT_EQ(NameIn(ReadForeignMap(folder / "case.nii", {}), 7), "spleen");
+  WriteTextFile(folder / "s.mitklabel.json",
+                head + R"({"labels": [{"name": "heart", "value": 3, "_file": "./case.nii",)" +
+                    R"( "_file_value": 7}]}]})");
+  EXPECT_EQ(NameIn(ReadForeignMap(folder / "case.nii", {}), 7), "heart");
+  WriteTextFile(folder / "labels.txt", "7 255 0 0 1 1 1 \"pancreas\"\n");
+  EXPECT_EQ(NameIn(ReadForeignMap(folder / "case.nii", {}), 7), "pancreas");
 }
 
 TEST(ForeignMap, OfAFolderHasTheSmallerMaskOnTop) {

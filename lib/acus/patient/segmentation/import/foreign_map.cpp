@@ -5,10 +5,10 @@
 
 #include "acus/base/core/error.h"
 #include "acus/data/volume/dicom_segmentation.h"
+#include "acus/data/volume/names_beside.h"
 #include "acus/data/volume/scalar_file.h"
 #include "acus/data/volume/structure_set.h"
 #include "acus/data/volume/volume_io.h"
-#include "acus/patient/segmentation/voxels/label_json.h"
 
 namespace acus::segmentation {
 namespace {
@@ -55,40 +55,53 @@ volume::NamedValues FromMasks(const std::vector<fs::path>& files) {
   return map;
 }
 
-volume::NamedValues FromDicom(const fs::path& file, const volume::Geometry& ct) {
-  return volume::IsStructureSet(file) ? volume::ReadStructureSet(file, ct)
-                                      : volume::ReadNamedValues(file);
+bool IsDicomLabels(const fs::path& file) {
+  return volume::IsDicomSegmentation(file) || volume::IsStructureSet(file);
 }
 
 bool IsDicomName(const fs::path& file) {
   return file.extension() == ".dcm" || file.extension().empty();
 }
 
-volume::NamedValues FromFolder(const fs::path& folder, const volume::Geometry& ct) {
-  std::vector<fs::path> masks, segmentations;
-  for (const fs::path& file : FilesIn(folder)) {
-    if (volume::IsScalarFileName(file)) {
-      masks.push_back(file);
-    } else if (IsDicomName(file) &&
-               (volume::IsDicomSegmentation(file) || volume::IsStructureSet(file))) {
-      segmentations.push_back(file);
-    }
-  }
+/// A folder without masks must hold one object, which is read as DICOM.
+volume::NamedValues FromFolder(const fs::path& folder) {
+  const std::vector<fs::path> files = FilesIn(folder);
+  std::vector<fs::path> masks;
+  std::ranges::copy_if(files, std::back_inserter(masks), volume::IsScalarFileName);
   if (!masks.empty()) return FromMasks(masks);
-  ACUS_REQUIRE(segmentations.size() == 1, folder.string(), ": holds ", segmentations.size(),
-               " DICOM segmentations or structure sets and no NIfTI, NRRD or MetaImage masks; give "
-               "a folder with one mask for each structure, or the file itself");
-  return FromDicom(segmentations.front(), ct);
+  const auto count = std::ranges::count_if(
+      files, [](const fs::path& file) { return IsDicomName(file) && IsDicomLabels(file); });
+  throw InputError(Message(folder.string(), ": holds ", count,
+                           " DICOM segmentations or structure sets and no NIfTI, NRRD or MetaImage "
+                           "masks; give a folder with one mask for each structure, or the file "
+                           "itself"));
 }
 
 }  // namespace
 
-volume::NamedValues ReadForeignMap(const fs::path& path, const volume::Geometry& ct) {
-  if (fs::is_directory(path)) return FromFolder(path, ct);
-  const bool may_be_dicom = !volume::IsScalarFileName(path) && path.extension() != ".vti";
-  volume::NamedValues map = may_be_dicom ? FromDicom(path, ct) : volume::ReadNamedValues(path);
+fs::path DicomLabelsIn(const fs::path& path) {
+  if (!fs::is_directory(path)) {
+    const bool may_be_dicom = !volume::IsScalarFileName(path) && path.extension() != ".vti";
+    return may_be_dicom && IsDicomLabels(path) ? path : fs::path();
+  }
+  std::vector<fs::path> objects;
+  for (const fs::path& file : FilesIn(path)) {
+    if (volume::IsScalarFileName(file)) return {};  // A folder of masks.
+    if (IsDicomName(file) && IsDicomLabels(file)) objects.push_back(file);
+  }
+  return objects.size() == 1 ? objects.front() : fs::path();
+}
+
+volume::NamedValues ReadForeignMap(const fs::path& path, const volume::Geometry& ct,
+                                   const std::vector<std::string>& frame_uids) {
+  const fs::path object = DicomLabelsIn(path);
+  if (!object.empty() && volume::IsStructureSet(object)) {
+    return volume::ReadStructureSet(object, ct, frame_uids);
+  }
+  if (object.empty() && fs::is_directory(path)) return FromFolder(path);
+  volume::NamedValues map = volume::ReadNamedValues(object.empty() ? path : object);
   if (!map.names.empty()) return map;  // Written with the values: nothing beside it is nearer.
-  NamesBeside beside = FindNamesBeside(path);
+  volume::NamesBeside beside = volume::FindNamesBeside(path);
   if (!beside.names.empty()) map.named_by = "by " + beside.file.filename().string();
   map.names = std::move(beside.names);
   return map;

@@ -7,8 +7,11 @@
 #include <utility>
 
 #include "acus/base/config/json_file.h"
+#include "acus/base/core/atomic_file.h"
 #include "acus/base/core/words.h"
+#include "acus/data/volume/dicom_frame.h"
 #include "acus/data/volume/labels.h"
+#include "acus/data/volume/names_beside.h"
 #include "acus/data/volume/scalar_file.h"
 #include "acus/patient/segmentation/import/foreign_map.h"
 
@@ -29,12 +32,53 @@ std::set<std::int32_t> ValuesThatOccur(const volume::Grid<std::int32_t>& values)
   return occurring;
 }
 
-/// Whether a table is one of names; other files are held against the schema of value tables.
-bool IsTableOfNames(const fs::path& mapping) {
-  if (mapping.empty()) return true;
+/// What --mapping names.
+enum class Table {
+  kNone,
+  kStructures,  ///< acus-label-names: what names mean.
+  kValues,      ///< acus-label-mapping: what values mean.
+  kNames        ///< Names of the values, of another program.
+};
+
+Table KindOf(const fs::path& mapping) {
+  if (mapping.empty()) return Table::kNone;
+  const std::string text = ReadTextFile(mapping);
+  const bool is_json = mapping.extension() == ".json" || Trimmed(text).starts_with('{');
+  if (!is_json) return Table::kNames;
   const nlohmann::json document = config::ReadJson(mapping);
-  return document.is_object() && document.contains("format") && document.at("format").is_string() &&
-         document.at("format").get<std::string>().starts_with("acus-label-names/");
+  const bool is_ours = document.is_object() && document.contains("format");
+  if (!is_ours) return Table::kNames;
+  const nlohmann::json& format = document.at("format");
+  const bool has_names =
+      format.is_string() && format.get<std::string>().starts_with("acus-label-names/");
+  return has_names ? Table::kStructures : Table::kValues;
+}
+
+volume::ValueNames NamesInMapping(const fs::path& mapping) {
+  volume::ValueNames names = volume::NamesInFile(mapping);
+  ACUS_REQUIRE(!names.empty(), mapping.string(),
+               ": names no values of a label map. Read are label descriptions of ITK-SNAP, colour "
+               "tables of 3D Slicer and FreeSurfer, tables with the columns index and name, JSON "
+               "files with labels, and the formats acus-label-mapping/1 and acus-label-names/1");
+  return names;
+}
+
+/// The values of a map and what is said of them; the frame of reference is that of the CT.
+volume::NamedValues ReadMap(const ForeignLabels& labels, Table table, const volume::Geometry& grid,
+                            const RunContext& context) {
+  const fs::path object = DicomLabelsIn(labels.file);
+  volume::DicomFrame ct;
+  if (!object.empty() && !labels.ct.empty()) {
+    ct = volume::FrameOfCt(labels.ct, labels.series, context.num_threads);
+    volume::RequireSameFrame(volume::FrameOfLabels(object), ct, labels.accept_other_frame, object,
+                             context);
+  }
+  volume::NamedValues map = ReadForeignMap(labels.file, grid, ct.uids);
+  if (table == Table::kNames) {
+    map.names = NamesInMapping(labels.mapping);
+    map.named_by = "by " + labels.mapping.filename().string();
+  }
+  return map;
 }
 
 /// What to do about names that the table does not have.
@@ -175,9 +219,10 @@ std::map<std::int32_t, NamedStructure> StructuresOf(const ImportedLabels& import
 
 ImportedLabels ReadImportedLabels(const ForeignLabels& labels, const volume::Geometry& grid,
                                   const RunContext& context) {
-  const bool by_names = IsTableOfNames(labels.mapping);
-  const bool own_table = by_names && !labels.mapping.empty();
-  volume::NamedValues map = ReadForeignMap(labels.file, grid);
+  const Table table_kind = KindOf(labels.mapping);
+  const bool by_names = table_kind != Table::kValues;
+  const bool own_table = table_kind == Table::kStructures;
+  volume::NamedValues map = ReadMap(labels, table_kind, grid, context);
   ImportedLabels import{
       .file = labels.file,
       .values = {},

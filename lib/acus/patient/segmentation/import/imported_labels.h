@@ -14,10 +14,16 @@ namespace acus::segmentation {
 /// A label map made elsewhere and the table that translates it.
 struct ForeignLabels {
   std::filesystem::path file;  ///< Or a folder, see ReadForeignMap.
-  /// Format acus-label-mapping/1 (values) or acus-label-names/1 (names). Empty: the names that the
-  /// map gives and the preset label_maps/names.json; for a map without names the values of
+  /// Format acus-label-mapping/1 (values) or acus-label-names/1 (names), or a file that names the
+  /// values (see NamesInFile), instead of the names that the map gives. Empty: these names and the
+  /// preset label_maps/names.json; for a map without names the values of
   /// label_maps/acus.json (.seg.nrrd) or label_maps/totalsegmentator.json.
   std::filesystem::path mapping;
+  /// The CT that the map is laid on, and its DICOM series. Where both are DICOM, their frames of
+  /// reference must be one.
+  std::filesystem::path ct = {};
+  std::string series = {};
+  bool accept_other_frame = false;  ///< Only warn of another one.
 };
 
 struct ImportedLabels {
