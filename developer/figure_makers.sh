@@ -92,10 +92,12 @@ make_fortmeier() {
   figure_5_upper
   figure_5_lower
   figure_8
+  figure_9
   figure_10
   figure_11
+  figure_12 64
   local figure
-  for figure in 5_upper.svg 5_lower.svg 8.png 8_path.svg 10.png 11_slices.png 11_rays.png; do
+  for figure in 5_upper.svg 5_lower.svg 8.png 8_path.svg 9.png 10.png 11_slices.png 11_rays.png 12_slices.png 12_ribs.png; do
     cp "figure_$figure" "$figures/fortmeier_$figure"
   done
 }
@@ -128,7 +130,7 @@ make_tissue_in_image() {
   build programs
   mesh_of_liver
   replayed tissue_liver liver_biopsy liver --no-film --set /effects/needle_force/model=tissue \
-    --set '/effects/tissue={"model": "fe_3d"}' --set "/patient/mesh=$PWD/mesh" --png puncture
+    --set '/effects/tissue={"model": "fe_3d"}' --set "/patient/mesh=$PWD/mesh" --png events
   cp "$(still tissue_liver tail -n 1)" "$figures/tissue_liver.png"
 }
 
@@ -198,27 +200,41 @@ make_papers() {
 # The default workplace while its demonstration is played.
 make_sessions() {
   build programs
-  rm -rf lumbar_place
-  quietly "$root/pipelines/live-session" --text --new lumbar_place
+  rm -rf places/default
+  mkdir -p places
+  quietly "$root/pipelines/live-session" --text --new places/default
   quietly "$root/pipelines/common/on_display.sh" "$root/pipelines/live-session" --text --demo --trainee T07 --duration 25 \
-    --exercise lumbar_puncture --screenshot "$PWD/session_lumbar.png" lumbar_place </dev/null
+    --exercise lumbar_puncture --screenshot "$PWD/session_lumbar.png" places/default </dev/null
   small session_lumbar.png "$figures/session_lumbar.png"
 }
 
-# The launcher with its workplaces.
+# colours FILE.png: how many it has.
+colours() {
+  /usr/bin/python3 -B -c 'import sys
+from PIL import Image
+print(len(Image.open(sys.argv[1]).convert("RGB").getcolors(1 << 24)))' "$1"
+}
+# The launcher with two workplaces: photographed when it shows them and no longer changes.
 make_launcher() {
   build programs
   mkdir -p places display
   [[ -e places/default ]] || quietly "$root/pipelines/live-session" --text --new places/default
-  local server program
+  [[ -e places/vidal_2008 ]] || quietly "$root/pipelines/live-session" --text --new places/vidal_2008 --paper vidal_2008
+  local server program tries
   Xvfb -displayfd 7 -screen 0 1100x700x24 -fbdir "$PWD/display" -nolisten tcp 7>display/number >/dev/null 2>&1 &
   server=$!
   sleep 3
   DISPLAY=:$(head -n 1 display/number) acus-launcher places >/dev/null 2>&1 &
   program=$!
-  sleep 20
-  python3 "$root/tests/launcher/screenshot.py" display launcher.png
+  rm -f launcher.png
+  for tries in {1..40}; do
+    sleep 3
+    [[ ! -f launcher.png ]] || mv launcher.png before.png
+    /usr/bin/python3 -B "$root/tests/launcher/screenshot.py" display launcher.png
+    [[ $(colours launcher.png) -lt 200 ]] || ! cmp -s before.png launcher.png || break
+  done
   kill "$program" "$server"
+  [[ $tries -lt 40 ]] || { echo "developer/figures: the launcher shows no images in two minutes" >&2; return 4; }
   wait "$program" "$server" 2>/dev/null || true
   small launcher.png "$figures/launcher.png"
 }

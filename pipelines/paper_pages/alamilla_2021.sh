@@ -17,10 +17,12 @@ for name in straight turned; do
   replay "run_$name" "$name" "$name/sessions/shoulder" "${view[@]}"
   column "run_$name/forces.csv" lateral_n >"clamping_$name.csv"
   column "run_$name/forces.csv" cutting_n >"cutting_$name.csv"
-  awk -F, 'NR > 1 { print $1 "," $2 }' "run_$name/forces.csv" >"depth_$name.csv"
+  for axis in x y z; do
+    column "$name/sessions/shoulder/needle.csv" ${axis}_mm | awk -F, 'NR == 1 { from = $2 } { print $1 "," $2 - from }' >"way_${name}_$axis.csv"
+  done
+  plot "figure_18_$name.svg" "Displacement of the tip, $name, after figure 18" "time [s]" "displacement [mm]" \
+    x="way_${name}_x.csv" y="way_${name}_y.csv" z="way_${name}_z.csv"
 done
-plot figure_18.svg "Depth of the tip, after figure 18" "time [s]" "depth [mm]" \
-  straight=depth_straight.csv turned=depth_turned.csv
 plot figure_19.svg "Clamping force, after figure 19" "time [s]" "force across the path [N]" \
   straight=clamping_straight.csv turned=clamping_turned.csv
 plot figure_20.svg "Cutting and withdrawal force, after figure 20" "time [s]" "force [N]" \
@@ -65,10 +67,12 @@ fact b_mode_ms "$(stage_ms run_turned B-mode)"
 fact images "$(runs_of run_turned B-mode)"
 fact step_us "$(step_us run_turned)"
 image_size_facts run_turned
+load_facts
 heading "Tables"
 for part in tissues forces speed; do table $part; done
+note load
 heading "Figures"
-for number in 14 18 19 20; do figure figure_$number.svg figure_$number; done
+for number in 14 18_straight 18_turned 19 20; do figure figure_$number.svg figure_$number; done
 figure layers.svg layers
 last=$(find run_turned -name 'event_*.png' | sort | tail -n 1)
 figure "$last" ultrasound

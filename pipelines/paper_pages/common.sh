@@ -9,8 +9,24 @@ fail() {
 
 say() { echo "== $paper: $*" >&2; }
 
+# cpu_count: seconds that the machine's cores have been busy, then those of this page and its programs, then the time.
+cpu_count() {
+  times >times.txt # Not in a subshell, which has times of its own.
+  awk -v now="$(date +%s.%N)" 'FILENAME != "/proc/stat" { for (i = 1; i <= 2; ++i) { split($i, t, /[ms]/); own += 60 * t[1] + t[2] } next }
+    $1 == "cpu" { printf "%.2f %.2f %s\n", ($2 + $3 + $4 + $7 + $8 + $9) / '"$(getconf CLK_TCK)"', own, now }' times.txt /proc/stat
+}
+# load_facts: whether it is a quick run, and which share of the machine other programs used since the page began.
+load_facts() {
+  cpu_count >cpu_end.txt
+  fact quick "${quick:-0}"
+  fact cores "$(nproc)"
+  fact others_percent "$(awk -v cores="$(nproc)" 'NR == 1 { busy = $1; own = $2; at = $3; next }
+    { others = $1 - busy - ($2 - own); printf "%.0f", others <= 0 ? 0 : 100 * others / (cores * ($3 - at)) }' cpu_begin.txt cpu_end.txt)"
+}
+
 # page TITLE: begins page.html.
 page() {
+  cpu_count >cpu_begin.txt
   cat >page.html <<HTML
 <!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
@@ -39,19 +55,19 @@ figure() {
 }
 # runs_of RUN STAGE: how often it ran.
 runs_of() { awk -v stage="$2" 'index($0, stage "  ") == 1 && / (step|image) / && !seen { print $(NF - 4); seen = 1 }' "$1.txt"; }
-# image_size_facts RUN: pixels of an image beside the probe, from the first still, and of the view in 3D.
+# image_size_facts RUN: pixels of an image beside the probe, from its preset (a still has margins), and of the view in 3D.
 image_size_facts() {
-  /usr/bin/python3 -B - "$1" >>facts.csv <<'PYTHON'
-import json, pathlib, struct, sys
-run = pathlib.Path(sys.argv[1])
-with open(run / "run.json", encoding="utf-8") as file:
-    effects = json.load(file)["scenario"]["effects"]
-still = min(run.glob("event_*.png"))
-width, height = struct.unpack(">II", still.read_bytes()[16:24])
-print(f"width_px,{width // sum(bool(effects.get(key)) for key in ('ultrasound', 'ct_slice'))}\nheight_px,{height}")
+  /usr/bin/python3 -B - "$1" "$root/configs" >>facts.csv <<'PYTHON'
+import json, pathlib, re, sys
+run, configs = map(pathlib.Path, sys.argv[1:])
+def read(path):
+    return json.loads(re.sub(r"^\s*//.*$", "", path.read_text(encoding="utf-8"), flags=re.M))
+scenario = read(run / "run.json")["scenario"]
+probe, sizes = read(configs / scenario["probe"]), read(configs / "schema/acus-probe.schema.json")["properties"]
 for side in ("width_px", "height_px"):
-    if effects.get("view_3d"):
-        print(f"view_{side},{effects['view_3d'][side]}")
+    print(f"{side},{probe.get(f'image_{side}', sizes[f'image_{side}']['default'])}")
+    if scenario["effects"].get("view_3d"):
+        print(f"view_{side},{scenario['effects']['view_3d'][side]}")
 PYTHON
 }
 # plan RUN: the effect plan of a run.
@@ -141,6 +157,20 @@ session_of() {
   printf '{"format": "acus-session/1", "name": "%s", "reference_frame": "Reference", "streams": [{"file": "%s.csv", "tool": "%s"}]}\n' \
     "$1" "$2" "$2" >"$1/session.json"
   { echo "time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,status"; cat; } >"$1/$2.csv"
+}
+
+# probe_place PATIENT SESSION: "x,y,z" of the probe's face in the middle of a session, CT mm.
+probe_place() {
+  /usr/bin/python3 -B - "$1/truth.json" "$2/probe.csv" <<'PYTHON'
+import csv, json, sys
+with open(sys.argv[1], encoding="utf-8") as file:
+    pose = json.load(file)["reference_from_ct"]
+with open(sys.argv[2], encoding="utf-8") as file:
+    rows = list(csv.DictReader(file))
+row = rows[len(rows) // 2]
+way = [float(row[f"{axis}_mm"]) - pose[r][3] for r, axis in enumerate("xyz")]
+print(",".join(f"{sum(pose[r][c] * way[r] for r in range(3)):.3f}" for c in range(3)))
+PYTHON
 }
 
 # constant_stroke FOLDER MM_PER_MIN X Y Z X Y Z: a needle from 10 mm before one point to the other, in CT space.

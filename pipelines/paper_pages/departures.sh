@@ -59,8 +59,13 @@ aside() {
   }' "$1/probe.csv" >"$2/probe.csv"
 }
 
-# The probe of a liver biopsy, moved aside until it is above a rib.
 departures_vidal_2008() {
+  probe_on_bone
+  means
+  needle_on_bone
+}
+# The probe of a liver biopsy, moved aside until it is above a rib.
+probe_on_bone() {
   patient liver patient
   local form press_mm=23 aside_mm=14
   aside patient/sessions/liver_biopsy over_a_rib $aside_mm
@@ -73,7 +78,9 @@ departures_vidal_2008() {
     fact probe_${form}_bone_s "$(number probe_$form "probe time on bone")"
   done
   fact probe_apart_n "$(apart probe_two_springs probe_printed force_n probe_forces.csv)"
-
+}
+# Eq. 3: the mean, in the kidney.
+means() {
   patient kidney kidney
   local run
   sed 's/"vidal": {/"vidal": {"passive_average": false,/' "$root/configs/forces/vidal.json" >mean_printed.json
@@ -83,6 +90,26 @@ departures_vidal_2008() {
     fact mean_${run}_n "$(number mean_$run "largest axial force")"
     fact mean_${run}_rms_n "$(number mean_$run "RMS axial force while inserted")"
   done
+}
+# Eq. 7 and 8: a needle that is turned aside, and meets a vertebra.
+needle_on_bone() {
+  patient lumbar lumbar
+  local run
+  sed 's/"vidal": {/"vidal": {"passive_average": false,/; s/"damping_n_s_per_mm": 0.004/"damping_n_s_per_mm": 0/' \
+    "$root/configs/forces/vidal.json" >bone_printed.json
+  spine() { # RUN TABLE
+    replay "$1" lumbar lumbar/sessions/lumbar_puncture --ct lumbar/ct.nrrd "${no_images[@]}" --set /effects/probe_force=null \
+      --set "/effects/needle_force/table=$2"
+  }
+  spine damped forces/vidal.json
+  spine printed "$PWD/bone_printed.json"
+  fact bone_damped_s "$(number damped "time on bone")"
+  for run in damped printed; do
+    fact bone_${run}_n "$(largest $run bone_n)"
+    fact guidance_${run}_n "$(number $run "largest lateral force")"
+  done
+  fact bone_apart_n "$(apart damped printed bone_n)"
+  fact guidance_apart_n "$(apart damped printed lateral_n)"
 }
 
 departures_alamilla_2021() {
@@ -100,7 +127,8 @@ departures_alamilla_2021() {
   grey_facts pixels as_it_is pixels
   grey_facts deformed as_it_is still
   for run in as_it_is bone_printed; do fact ${run}_n "$(number $run "largest axial force")"; done
-  fact bone_apart_n "$(apart as_it_is bone_printed force_axial_n)"
+  fact on_bone_n "$(largest as_it_is bone_n)"
+  fact on_bone_printed_n "$(largest bone_printed bone_n)"
   sed 's/"format": "acus-forces\/1",/&\n  "alamilla": {"lugre": {"sigma1_s_per_mm": 0.879}},/' "$root/configs/forces/alamilla.json" >sigma_printed.json
   replay sigma_printed patient $session "${no_images[@]}" --set /effects/tissue=null \
     --set "/effects/needle_force/table=$PWD/sigma_printed.json"

@@ -17,12 +17,14 @@ for nodes in 15 25 50; do
 done
 replay run_still patient $session "${common[@]}" --set /effects/breathing=null "${no_images[@]}"
 
-say "figures 5, 8, 10 and 11"
+say "figures 5 and 8 to 12"
 figure_5_upper
 figure_5_lower
 figure_8
+figure_9
 figure_10
 figure_11
+figure_12 $resolution
 
 say "volume rendering"
 seconds=2 sizes=(64 128 256) voxels=256
@@ -62,6 +64,7 @@ if [[ -z $quick ]]; then
   patient liver_ptc large --config large.json
   table_2 large _large
 fi
+fact table_2_rows "$(grep -c '_mb,' facts.csv)"
 say "all images, breathing"
 images_s=8
 [[ -z $quick ]] || images_s=1
@@ -89,17 +92,20 @@ fact width_px $width_px
 fact height_px $height_px
 fact layer $layer
 fact key_frames "$(key_frames_of "motion_full_cycle_${sizes[0]}")"
+load_facts
 heading "Tables"
 for part in needle inversion volume; do table $part; done
+note load
 heading "Motion models"
 note errors
 { echo "<pre>"; cat motion_surrogate.txt; echo "</pre>"; } >>page.html
 heading "Figures"
-for name in figure_5_upper.svg figure_5_lower.svg figure_8.png figure_8_path.svg figure_10.png figure_11_slices.png figure_11_rays.png; do
+for name in figure_5_upper.svg figure_5_lower.svg figure_8.png figure_8_path.svg figure_9.png figure_10.png figure_11_slices.png figure_11_rays.png \
+  figure_12_slices.png figure_12_ribs.png; do
   figure $name "${name%.*}"
 done
 figure run_images/view_3d.png figure_6
-figure "view_surrogate_${sizes[0]}/view_3d.png" figure_9
+figure "view_surrogate_${sizes[0]}/view_3d.png" volume
 note missing
 heading "Effect plan"
 plan run_images

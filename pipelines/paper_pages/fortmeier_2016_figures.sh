@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC2154 # Names of pipelines/papers and developer/figures.
-# Figures 5, 8, 10 and 11 of Fortmeier-2016 from replays of its preset, in CT space.
+# Figures 5 and 8 to 12 of Fortmeier-2016 from replays of its preset, in CT space.
 # Expects: $paper, common.sh, and the folder `patient` (liver_ptc).
 
 deep_mm=30 # Travel of the diaphragm in figures 8 and 10.
@@ -206,4 +206,33 @@ figure_11_rays() {
   grey_difference rays_0_grey rays_0/$image rays_50/$image
   grey_difference rays_1_grey rays_1/$image rays_50/$image
   grey_difference rays_1_half_grey rays_1_half/$image rays_50_half/$image
+}
+
+# Figure 9: a finger in a fixed place, 12 mm deep in the skin of the belly at end expiration, and the patient breathes:
+# end inspiration, mid expiration, end expiration, mid inspiration.
+figure_9() {
+  awk 'BEGIN { for (n = 0; n <= 310; ++n) printf "%.2f,-70,-130,100,1,0,0,0,OK\n", n / 100 }' | session_of finger probe
+  in_ct run_finger finger "${only_images[@]}" --set /effects/breathing/pattern/exponent=1 --set "/effects/breathing/motion=$PWD/motion_deep_surrogate" \
+    --set '/effects/probe_force={"model":"multi_proxy","multi_proxy":{"tool":"fingertip","image":true}}' \
+    --set '/effects/view_3d={"layers":[{"preset":"skin"}],"surfaces":[],"needle":false,"probe":false,"rate_hz":1,"width_px":240,"height_px":240,"camera":{"eye_mm":[-330,-400,300],"focus_mm":[-70,-135,100],"view_angle_deg":16}}'
+  local frame=run_finger/frames/view_3d_0000
+  sheet figure_9.png ${frame}0.png ${frame}1.png ${frame}2.png ${frame}3.png
+}
+
+# Figure 12: end inspiration of a normal breath by fields of N nodes along each axis and of twice as many; the
+# difference. Left in the paper slices, right the surfaces of ribs.
+figure_12() { # N
+  local motion slices=() ribs=() fine=$((2 * $1))
+  synthetic_motion surrogate "$fine" motion_fine
+  for motion in motion_surrogate motion_fine; do
+    in_ct "smear_$motion" moment "${only_images[@]}" "${no_view[@]}" "${sagittal[@]}" --set /effects/breathing/warp_spacing_mm=1.25 \
+      --set "/effects/breathing/motion=$PWD/$motion"
+    in_ct "ribs_$motion" moment "${only_images[@]}" --set /effects/breathing/pattern/exponent=1 --set "/effects/breathing/motion=$PWD/$motion" \
+      --set '/effects/view_3d={"layers":[],"surfaces":[{"tissue":"bone"}],"needle":false,"probe":false,"rate_hz":1,"width_px":240,"height_px":240,"camera":{"eye_mm":[0,-1077,702],"focus_mm":[0,-32,140],"view_angle_deg":9.8}}'
+    slices+=("smear_$motion/frames/planes_00000.png") ribs+=("ribs_$motion/frames/view_3d_00000.png")
+  done
+  sheet figure_12_slices.png "${slices[@]}" "${slices[0]}:${slices[1]}"
+  sheet figure_12_ribs.png "${ribs[@]}" "${ribs[0]}:${ribs[1]}"
+  fact field_nodes "$1"
+  fact fine_field_nodes "$fine"
 }

@@ -2,7 +2,7 @@
 """Tables of the pages of the papers: rows of a template (NAME.toml), filled with the facts of a run.
 
     rows.py TEMPLATE FACTS TABLE [--markdown] [--csv FILE]     a table on standard output
-    rows.py TEMPLATE FACTS --caption KEY                       one caption
+    rows.py TEMPLATE FACTS --caption KEY                       one caption; load: how busy the machine was
 
 FACTS has a line KEY,VALUE for each fact that the run measured or that it was set to. In a template `{...}` is an
 expression of these and of FUNCTIONS: outside of it there is no number of ours and no word that compares, as the test
@@ -26,6 +26,12 @@ import work
 EXPRESSION = re.compile(r"\{([^{}]+)\}")
 COLUMNS = ("quantity", "paper", "acus", "on", "why")
 TITLES = ("quantity", "the paper", "Acus", "on what", "where they differ, and why")
+
+
+# Of every page.
+LOAD = ("{pick(quick > 0, 'Of a run with --quick: not for print. ', '')}Other programs used {others_percent} % of the machine's {cores} cores "
+        "while these numbers were made{pick(others_percent > 10, '; times are CPU times, but caches and memory were shared: they may be "
+        "longer than on an idle machine', '')}. Forces, distances and memory of replays do not depend on it.")
 
 
 class RowError(Exception):
@@ -127,6 +133,11 @@ def read_template(path):
     return template
 
 
+def load_of(facts):
+    """What else the machine did while the facts were made."""
+    return fill(LOAD, facts) if "others_percent" in facts else "How busy the machine was is not recorded: times may be longer than on an idle one."
+
+
 def filled_row(row, facts):
     """Its five columns."""
     for claim in row.get("holds", []):
@@ -174,7 +185,7 @@ def main():
     try:
         template, facts = read_template(arguments.template), read_facts(arguments.facts)
         if arguments.caption:
-            sys.stdout.write(fill(template["caption"][arguments.caption], facts))
+            sys.stdout.write(load_of(facts) if arguments.caption == "load" else fill(template["caption"][arguments.caption], facts))
             return
         rows = table(template, facts, arguments.table)
     except (OSError, KeyError, tomllib.TOMLDecodeError, RowError) as error:

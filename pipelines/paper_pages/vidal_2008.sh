@@ -46,8 +46,10 @@ fact fluoroscopy_ms "$(stage_ms run fluoroscopy)"
 fact view_3d_ms "$(stage_ms run "view in 3D")"
 fact images "$(runs_of run B-mode)"
 image_size_facts run
+load_facts
 heading "Tables"
 for part in figure_5 recordings devices speed; do table $part; done
+note load
 heading "Figures"
 for organ in kidney liver; do figure figure_5_$organ.svg figure_5_$organ; done
 for organ in kidney liver; do figure fit_$organ/${organ}_1_models.svg recording_$organ; done

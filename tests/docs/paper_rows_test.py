@@ -107,6 +107,16 @@ class Sentences(unittest.TestCase):
                 self.assertNotIn("{", rows.fill(text, facts), key)
 
 
+class Load(unittest.TestCase):
+    def test_a_busy_machine_a_quick_run_and_one_without_a_record_are_said(self):
+        idle = {"quick": 0.0, "cores": 2.0, "others_percent": 3.0}
+        self.assertNotIn("longer", rows.load_of(rows.Facts(idle)))
+        self.assertIn("longer", rows.load_of(rows.Facts(idle | {"others_percent": 40.0})))
+        self.assertIn("40 % of the machine's 2 cores", rows.load_of(rows.Facts(idle | {"others_percent": 40.0})))
+        self.assertIn("not for print", rows.load_of(rows.Facts(idle | {"quick": 1.0})))
+        self.assertIn("not recorded", rows.load_of(rows.Facts({})))
+
+
 def paper_pages_module():
     loader = importlib.machinery.SourceFileLoader("paper_pages", str(ROOT / "developer" / "paper-pages"))
     module = importlib.util.module_from_spec(importlib.util.spec_from_loader("paper_pages", loader))

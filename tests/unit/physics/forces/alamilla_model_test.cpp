@@ -1,7 +1,9 @@
 #include "acus/physics/forces/models/alamilla_model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <gmock/gmock.h>
+#include <numbers>
 
 #include "acus/data/volume/labels.h"
 #include "references/closed_loop.h"
@@ -182,19 +184,33 @@ TEST_F(AlamillaTest, KnocksOnBoneAndIsHeldByTableTwosForce) {
   EXPECT_NEAR(driven.last.depth_mm, 60.0, 0.05);
 }
 
-// Eq. 1 as printed: (soft) the sum, (hard) hardContact alone.
+// Eq. 1 as printed: (soft) the sum, (hard) hardContact alone, which is eq. 12 and then nothing.
 TEST_F(AlamillaTest, AsPrintedOnlyBoneActsOnBone) {
   ForceTable printed_table = table;
   printed_table.alamilla.only_bone_on_bone = true;
+  printed_table.alamilla.hard_contact.without_account = true;
   const AlamillaModel printed(printed_table, Trocar18G());
   DrivenAlamilla drive{printed, body};
   double t = 0.0;
   double z = -1.0;
   for (; z < 59.5; z += 0.008) drive.Step(t += 0.001, {0, 0, z});
   EXPECT_NEAR(drive.last.cutting_n, 2.5, 1e-9);
+  while (!drive.state.on_bone) drive.Step(t += 0.001, {0, 0, z += 0.008});
+  const double impact_mm_per_s = drive.state.knock.impact_mm_per_s;
+  EXPECT_NEAR(impact_mm_per_s, 8.0, 0.3);  // Filtered.
+  double lowest_n = 0.0;
+  for (int i = 2; i < 55; ++i) {  // The step of the contact was the first.
+    drive.Step(t += 0.001, {0, 0, z += 0.008});
+    const double since_s = 0.001 * i;
+    const double knock_n = 0.0199 * impact_mm_per_s * std::exp(std::log(0.01) * since_s / 0.055) *
+                           std::sin(2.0 * std::numbers::pi * 55.0 * since_s);
+    EXPECT_NEAR(drive.last.bone_n, knock_n, 1e-9) << i;
+    EXPECT_EQ(drive.last.force_in_ct_n, Eigen::Vector3d(0, 0, -drive.last.bone_n));
+    lowest_n = std::min(lowest_n, drive.last.bone_n);
+  }
+  EXPECT_LT(lowest_n, -0.02);  // It pulls, too.
   for (; z < 61.0; z += 0.008) drive.Step(t += 0.001, {0, 0, z});
-  EXPECT_GT(drive.last.bone_n, 1.0);
-  EXPECT_EQ(drive.last.force_in_ct_n, Eigen::Vector3d(0, 0, -drive.last.bone_n));
+  EXPECT_EQ(drive.last.force_in_ct_n.norm(), 0.0);
   for (; z > 58.0; z -= 0.008) drive.Step(t += 0.001, {0, 0, z});
   EXPECT_EQ(drive.last.bone_n, 0.0);
   EXPECT_NE(drive.last.AxialN(), 0.0);

@@ -182,6 +182,25 @@ TEST_F(VidalTest, GuidanceIsClampedToZeroNearTheLine) {
   }
 }
 
+// Eq. 8 as printed: the sum from t - n to t, which are n + 1 terms, over n; no damping, no limit.
+TEST_F(VidalTest, ThePrintedGuidanceIsASumOfTheLastSteps) {
+  table.vidal.passive_average = false;
+  table.vidal.averaging_s = 0.0;
+  table.vidal.guidance_averaging_s = 0.010;
+  table.settings.lateral_limit_n = 0.1;
+  table.vidal.resistance_n_s_per_mm = CubicBSpline({0, 100}, {0, 0, 0, 0}, "none");
+  for (const int steps : {1, 4, 11}) {
+    Make();
+    MoveTo(35.0);
+    for (int i = 0; i < 20; ++i) StepHere();
+    place_mm.x() = 3.0;
+    for (int i = 0; i < steps; ++i) StepHere();
+    const double constraint_n = 0.2 / 10 * steps * 3.0;
+    const double k2 = 1.0 - std::exp(-0.5 * constraint_n * constraint_n / (0.05 * 0.05));
+    EXPECT_NEAR(driven->last.lateral_n, k2 * constraint_n, 1e-9) << steps;
+  }
+}
+
 TEST_F(VidalTest, OrientationIsLockedBelowTwoCentimetres) {
   MoveTo(15.0);
   const Vector3d entry = driven->state.path.entry_in_ct_mm;
@@ -221,6 +240,23 @@ TEST_F(VidalTest, BoneHoldsTheTipByAProxy) {
   MoveTo(57.0);
   EXPECT_EQ(Count(NeedleEvent::kBoneRelease), 1);
   EXPECT_EQ(driven->last.bone_n, 0.0);
+}
+
+// Eq. 7 in eq. 3 as printed: the sum of the last steps' K_bone times the way to the proxy, over m,
+// without damping.
+TEST_F(VidalTest, ThePrintedMeanHoldsTheForceOfBone) {
+  table.vidal.passive_average = false;
+  table.vidal.averaging_s = 0.010;
+  table.settings.bone.damping_n_s_per_mm = 0.0;
+  Make();
+  MoveTo(58.0);
+  MoveTo(61.5);
+  const double beyond_mm = driven->last.bone_penetration_mm;
+  EXPECT_GT(beyond_mm, 0.5);
+  double sum_n = 0.0;  // At 8 mm/s each of the 11 steps was 0.008 mm less deep than the next.
+  for (int i = 0; i <= 10; ++i) sum_n += 2.0 * (beyond_mm - 0.008 * i);
+  EXPECT_NEAR(driven->last.bone_n, sum_n / 10, 1e-3);
+  EXPECT_NEAR(driven->last.AxialN(), driven->last.bone_n, 1e-9);
 }
 
 TEST_F(VidalTest, GravityIsAConstantForce) {

@@ -41,10 +41,14 @@ double HardContact::Advance(const HardContactSettings& settings, double travel_m
     Stop();
     return 0.0;
   }
+  if (settings.without_account) {
+    applied_n = NominalN(settings);
+    return applied_n;
+  }
   double force_n = std::clamp(spring_n + NominalN(settings), 0.0, largest_n) - spring_n;
   // Against the motion it takes energy; along it, what the next step may cost must be on the
   // account.
-  if (force_n * travel_mm <= 0.0 && !settings.without_account) {
+  if (force_n * travel_mm <= 0.0) {
     const double cost_n_mm =
         std::abs(force_n) * std::max(std::abs(travel_mm), kLeastTravelPerStepMm);
     force_n *= cost_n_mm > 0.0 ? std::clamp(account_n_mm / (2.0 * cost_n_mm), 0.0, 1.0) : 0.0;

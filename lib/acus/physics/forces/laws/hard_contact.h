@@ -8,7 +8,8 @@ struct HardContactSettings {
   double amplitude_n_s_per_mm = 0.0;  ///< A: newtons per mm/s of impact speed; 0: no knock.
   double duration_s = 0.0;            ///< d: down to 1 % and then off.
   double frequency_hz = 0.0;          ///< f.
-  bool without_account = false;       ///< As printed: along the motion, too, the whole sinusoid.
+  bool without_account =
+      false;  ///< As printed: the whole sinusoid, unlimited, also where it pulls.
 };
 
 /// A plain value.

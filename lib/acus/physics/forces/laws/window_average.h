@@ -40,6 +40,13 @@ class WindowAverage {
     return sum / window_s;
   }
 
+  /// As printed: the sum of the steps from t - m to t, which are m + 1 terms, over m.
+  Eigen::Vector3d AddAsPrinted(const Eigen::Vector3d& value, double dt_s,
+                               double window_s) noexcept {
+    if (window_s < dt_s) return value;
+    return Add(value, dt_s, window_s + dt_s) * ((window_s + dt_s) / window_s);
+  }
+
   void Clear() noexcept { num_ = first_ = 0; }
 
  private:

@@ -101,9 +101,10 @@ void AlamillaModel::AlongThePath(AlamillaState& state, const NeedleMotion& motio
     state.knock.Strike(knock, impact_mm_per_s);
   }
   if (!state.on_bone) state.knock.Stop();
+  const double spring_n = table_.alamilla.only_bone_on_bone ? 0.0 : step.bone_n;
   out.bone_n =
-      step.bone_n + state.knock.Advance(knock, step.device_speed_mm_per_s * motion.dt_s,
-                                        motion.dt_s, step.bone_n, table_.settings.bone.largest_n);
+      spring_n + state.knock.Advance(knock, step.device_speed_mm_per_s * motion.dt_s, motion.dt_s,
+                                     spring_n, table_.settings.bone.largest_n);
   out.bone_penetration_mm = step.bone_penetration_mm;
 }
 

@@ -24,8 +24,8 @@ struct AlamillaSettings {
   /// The cutting force by the direct method in place of the tracking wall: not of the table, but of
   /// who calls for the model.
   bool direct_method = false;
-  /// As printed: on bone the knock and the spring of bone act alone (eq. 1), and the knock is the
-  /// whole sinusoid (eq. 12). False: friction, cutting and clamping remain.
+  /// As printed: on bone the knock acts alone (eq. 1), without the spring of bone, and is the whole
+  /// sinusoid (eq. 12). False: the spring, friction, cutting and clamping act, too.
   bool only_bone_on_bone = false;
   double withdrawal_share = 0.0;  ///< Withdrawal force as a share of the tissue's cutting force.
   LuGreParameters friction;
@@ -40,7 +40,7 @@ struct VidalSettings {
   double edge_hu_per_mm = 0.0;         ///< Gradient above which the tip is at an interface.
   double withdrawal_n_s_per_mm = 0.0;
   double averaging_s = 0.0;       ///< m steps of eq. 3.
-  bool passive_average = true;    ///< False: the mean as printed, which gives energy to the hand.
+  bool passive_average = true;    ///< False: eq. 3, 7 and 8 as printed; they drive the hand.
   double largest_n_per_mm = 0.0;  ///< Stiffness that the passive mean never exceeds.
 
   SurfaceProxySettings skin;  ///< Before the puncture.

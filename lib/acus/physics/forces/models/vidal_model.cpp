@@ -10,14 +10,6 @@ constexpr double kFarthestSkinMm = 5.0;  // The skin is sought at most so far be
 constexpr double kEdgeHysteresis = 0.8;  // An interface ends below this share of its threshold.
 constexpr double kNoResistance = 1e-9;   // N s/mm.
 
-/// Eq. 3 to the letter: the sum from t - m to t, which are m + 1 terms, over m.
-Eigen::Vector3d PrintedMean(WindowAverage& mean, const Eigen::Vector3d& sub_force_n, double dt_s,
-                            const VidalSettings& law) noexcept {
-  if (law.averaging_s < dt_s) return sub_force_n;
-  const double window_s = law.averaging_s + dt_s;
-  return mean.Add(sub_force_n, dt_s, window_s) * (window_s / law.averaging_s);
-}
-
 }  // namespace
 
 VidalModel::VidalModel(const ForceTable& table, const NeedleProperties& needle,
@@ -160,7 +152,8 @@ void VidalModel::Resistance(VidalState& state, const NeedleMotion& motion, doubl
 
   if (!law.passive_average) {  // As printed: also the force of bone is averaged.
     const Eigen::Vector3d sub_force = -resistance * velocity_mm_per_s - out.bone_n * along;
-    state.resistance_in_ct_n = PrintedMean(state.resistance_mean, sub_force, motion.dt_s, law);
+    state.resistance_in_ct_n =
+        state.resistance_mean.AddAsPrinted(sub_force, motion.dt_s, law.averaging_s);
     const double bone_n = out.bone_n;
     out.bone_n = 0.0;
     if (bone_n > 0.0) out.bone_n = std::max(0.0, -state.resistance_in_ct_n.dot(along));

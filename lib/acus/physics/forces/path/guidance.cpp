@@ -26,15 +26,20 @@ void Turn(NeedlePath& path, const NeedleMotion& motion) noexcept {
 }
 
 /// F2, eq. 8. The mean comes late by half its window, and a late spring gives energy: a damping of
-/// its stiffness times that time takes just as much.
+/// its stiffness times that time takes just as much. As printed there is neither this damping nor a
+/// limit.
 Eigen::Vector3d LineForceN(const ForceTable& table, WindowAverage& offset_mean,
                            const NeedlePath& path, const NeedleMotion& motion) noexcept {
   const VidalSettings& law = table.vidal;
   const Eigen::Vector3d offset_mm = path.DeviationMm(motion.tip_mm);
-  const Eigen::Vector3d mean_mm = offset_mean.Add(offset_mm, motion.dt_s, law.guidance_averaging_s);
+  const Eigen::Vector3d mean_mm =
+      !law.passive_average
+          ? offset_mean.AddAsPrinted(offset_mm, motion.dt_s, law.guidance_averaging_s)
+          : offset_mean.Add(offset_mm, motion.dt_s, law.guidance_averaging_s);
   const Eigen::Vector3d wanted_n = -law.guidance_n_per_mm * mean_mm;
   const double share = wanted_n.norm() / law.guidance_clamp_n;
   const double gauss = std::exp(-0.5 * share * share);
+  if (!law.passive_average) return (1.0 - gauss) * wanted_n;
   const double slope = 1.0 - gauss + share * share * gauss;  // d(K2 F) / dF.
   const Eigen::Vector3d& along = path.direction_in_ct;
   const Eigen::Vector3d travel_mm = motion.tip_mm - motion.previous_mm;
