@@ -454,6 +454,24 @@ void ExpectAsRecorded(const PhaseRms& rms) {
 
 // Fitted to every other recording and written as a table, which is replayed as it is written; the
 // others are what it is compared with. The row of the default table is from the same ten.
+/// @param gsd  Of the ten recordings of a fit.
+void ExpectTheirScatter(double gsd, const std::vector<FittedCurve>& others) {
+  std::vector<const ForceCurve*> curves;
+  std::vector<PunctureCurveFit> fits;
+  for (const FittedCurve& f : others) {
+    curves.push_back(&f.curve);
+    fits.push_back(f.puncture);
+  }
+  const auto theirs = ScatterOfMeanForce(curves, fits);
+  ASSERT_TRUE(theirs.has_value());
+  std::printf("  geometric SD of the mean force: %.3f in the ten of the fit, %.3f in the others\n",
+              gsd, *theirs);
+  // The ratio of two standard deviations of ten each lies within these in 95 of 100 cases (F test).
+  const double ratio = std::log(gsd) / std::log(*theirs);
+  EXPECT_GT(ratio, 0.5);
+  EXPECT_LT(ratio, 2.0);
+}
+
 TEST(HumanLiver, AFittedTableReplaysOtherRecordings) {
   const auto folders = Recordings();
   if (folders.empty()) GTEST_SKIP() << "test data forces/human_liver is not here";
@@ -480,6 +498,7 @@ TEST(HumanLiver, AFittedTableReplaysOtherRecordings) {
   const forces::ForceTable shipped = forces::ReadForceTable(base);
   ExpectAsRecorded(TableError("default.json, on the ten others", shipped, others));
   EXPECT_LT(shipped.tissue[volume::LabelOf("liver")].membrane.puncture_n, 2.0);
+  ExpectTheirScatter(table.tissue[volume::LabelOf("liver")].between_patients_gsd, others);
   std::vector<double> worst;
   for (const FittedCurve& f : others) worst.push_back(WorstLeft(table, f));
   EXPECT_LT(math::Median(worst), 0.15);

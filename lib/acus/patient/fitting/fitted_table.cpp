@@ -1,8 +1,11 @@
 #include "acus/patient/fitting/fitted_table.h"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "acus/base/core/error.h"
+#include "acus/base/math/statistics.h"
 #include "acus/data/volume/labels.h"
 #include "acus/patient/fitting/fit_report.h"
 #include "acus/patient/fitting/fitted_relaxation.h"
@@ -35,7 +38,26 @@ std::vector<ForceCurve> Replayed(const forces::ForceTable& table, const std::str
   return out;
 }
 
+constexpr std::size_t kLeastForScatter = 5;
+constexpr double kLargestGsd = 3.0;  // Of the schema.
+
 }  // namespace
+
+std::optional<double> ScatterOfMeanForce(std::span<const ForceCurve* const> curves,
+                                         std::span<const PunctureCurveFit> fits) {
+  if (curves.size() < kLeastForScatter) return std::nullopt;
+  std::vector<double> logarithms;
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    const SampleRange& advance = fits[i].phases.advance;
+    if (advance.size() == 0) return std::nullopt;
+    const auto begin = curves[i]->force_n.begin() + static_cast<std::ptrdiff_t>(advance.begin);
+    const double mean_n = math::Mean({begin, begin + static_cast<std::ptrdiff_t>(advance.size())}) -
+                          (fits[i].offset_n ? fits[i].offset_n->value : 0.0);
+    if (!(mean_n > 0.0)) return std::nullopt;
+    logarithms.push_back(std::log(mean_n));
+  }
+  return std::min(kLargestGsd, std::exp(math::StandardDeviation(logarithms)));
+}
 
 std::vector<double> ReplayThroughTable(const forces::ForceTable& table, const std::string& tissue,
                                        const ForceCurve& curve, const PunctureCurveFit& fit,
@@ -79,6 +101,14 @@ json FittedTable(const json& base, const std::string& tissue,
     }
     table = TableWithFittedTissue(base, tissue, fits, RelaxationRow(FitHold(aimed_at)),
                                   needle_diameter_mm);
+  }
+  if (const auto gsd = ScatterOfMeanForce(curves, fits)) {
+    const auto row = std::ranges::find_if(
+        table.at("tissues"), [&](const json& other) { return other.at("tissue") == tissue; });
+    (*row)["between_patients"] = {
+        {"gsd", *gsd},
+        {"source", Message("acus-fit: mean force of the advance in ", curves.size(),
+                           " recordings; between patients if they are of as many")}};
   }
   return table;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,9 +18,14 @@ std::vector<double> ReplayThroughTable(const forces::ForceTable& table, const st
                                        const ForceCurve& curve, const PunctureCurveFit& fit,
                                        double needle_diameter_mm);
 
-/// TableWithFittedTissue with the relaxation of the holds. A drive that slows down moves on while a
-/// hold begins, which strains the tissue again: the relaxation is that with which replays through
-/// the table fall as the recordings do.
+/// Geometric standard deviation of the recordings' mean forces while the needle advances, at most
+/// 3; nothing from fewer than five recordings, or if a mean is not positive.
+std::optional<double> ScatterOfMeanForce(std::span<const ForceCurve* const> curves,
+                                         std::span<const PunctureCurveFit> fits);
+
+/// TableWithFittedTissue with the relaxation of the holds and ScatterOfMeanForce. A drive that
+/// slows down moves on while a hold begins, which strains the tissue again: the relaxation is that
+/// with which replays through the table fall as the recordings do.
 /// @throws NoAnswerError as TableWithFittedTissue.
 nlohmann::json FittedTable(const nlohmann::json& base, const std::string& tissue,
                            std::span<const ForceCurve* const> curves,
