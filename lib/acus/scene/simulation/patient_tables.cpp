@@ -8,10 +8,11 @@ namespace {
 template <typename Table>
 Table Drawn(const Table& table, const scenario::Patient& patient, const std::filesystem::path& file,
             const RunContext& context) {
-  if (patient.stiffness_seed > 0 && !table.VariesBetweenPatients()) {
-    context.Warn(Message(file.filename().string(),
-                         ": no row has between_patients: /patient/stiffness/seed changes nothing "
-                         "there"));
+  const bool is_drawn = patient.stiffness_seed > 0 || patient.num_others > 0;
+  if (is_drawn && !table.VariesBetweenPatients()) {
+    context.Warn(
+        Message(file.filename().string(),
+                ": no row has between_patients: /patient/stiffness changes nothing there"));
   }
   return table.OfPatient(patient.stiffness_seed);
 }

@@ -10,7 +10,7 @@
 
 namespace acus::simulation {
 
-/// Reads a table and draws by patient.stiffness_seed. Warns if the patient is drawn and no row of
+/// Reads a table and draws by patient.stiffness_seed. Warns if patients are drawn and no row of
 /// the table varies. @throws InputError if the file is not readable.
 forces::ForceTable ForcesOf(const scenario::Patient& patient, const std::filesystem::path& file,
                             const RunContext& context);

@@ -104,7 +104,7 @@ TEST_F(PatientRangeReplay, NeedsAForceAndNoComplianceOfOnePatient) {
 
 TEST_F(PatientRangeReplay, ATableThatDoesNotVaryIsNamed) {
   Run("other", 1,
-      {{"/patient/stiffness/seed", 5},
+      {{"/patient/stiffness/others", 2},
        {"/effects/needle_force/table", "forces/bovine_2021.json"},
        {"/effects/ultrasound", nullptr}});
   EXPECT_THAT(ReadTextFile(folder_ / "other" / "run.json"),
