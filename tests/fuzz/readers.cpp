@@ -26,11 +26,13 @@
 #include "acus/data/sound/sound.h"
 #include "acus/data/transforms/landmarks.h"
 #include "acus/data/transforms/transform_file.h"
+#include "acus/data/volume/dicom_frame.h"
 #include "acus/data/volume/dicom_header.h"
 #include "acus/data/volume/dicom_segmentation.h"
 #include "acus/data/volume/dicom_series.h"
 #include "acus/data/volume/displacement_file.h"
 #include "acus/data/volume/named_values.h"
+#include "acus/data/volume/names_beside.h"
 #include "acus/data/volume/scalar_file.h"
 #include "acus/data/volume/structure_set.h"
 #include "acus/data/volume/volume_io.h"
@@ -216,7 +218,9 @@ void WriteContours(Path folder) {
       folder / "seed.dcm",
       {{.name = "Liver",
         .contours = {{{1, 1, 3}, {9, 1, 3}, {9, 9, 3}}, {{1, 1, 6}, {9, 1, 6}, {9, 9, 6}}}},
-       {.name = "PTV", .type = "PTV", .contours = {{{1, 1, 3}, {5, 1, 3}, {5, 9, 3}}}}});
+       {.name = "PTV", .type = "PTV", .contours = {{{1, 1, 3}, {5, 1, 3}, {5, 9, 3}}}},
+       {.name = "GTV", .contours = {{{1, 1, 3}, {5, 1, 3}, {5, 9, 3}}}, .frame_uid = "1.3"}},
+      {.frame_uid = "1.2", .series_uid = "1.9"});
 }
 
 /// Two volumes over time: four dimensions in the header of one.
@@ -261,13 +265,18 @@ fs::path Beside(Path file, const char* name, std::string_view text) {
   return folder / name;
 }
 
+/// The mapping is checked once: against a schema, that takes ten times as long as the table.
+nlohmann::json Mapping(std::string_view text) {
+  return config::CheckedConfig(nlohmann::json::parse(text), "acus-columns", "mapping");
+}
+
 void ReadMotive(Path file) {
-  const fs::path columns = Beside(file, "motive.json", kMotiveColumns);
-  session::ReadColumnCsv(file, columns, true, RunContext{});
+  static const nlohmann::json kMapping = Mapping(kMotiveColumns);
+  session::ReadMappedCsv(file, kMapping, true, RunContext{});
 }
 void ReadTum(Path file) {
-  const fs::path columns = Beside(file, "tum.json", kTumColumns);
-  session::ReadColumnCsv(file, columns, true, RunContext{});
+  static const nlohmann::json kMapping = Mapping(kTumColumns);
+  session::ReadMappedCsv(file, kMapping, true, RunContext{});
 }
 void ReadColumns(Path file) {
   const fs::path table = Beside(file, "motive.csv", kMotive);
@@ -283,6 +292,49 @@ void ReadSidecar(Path file) {
 constexpr std::string_view kSidecar =
     R"({"Columns": ["depth", "force"], "SamplingFrequency": 100, "StartTime": -1.5,
 "depth": {"Units": "mm"}, "force": {"Units": "N", "Description": "axial"}})";
+
+// Names of the values of label maps.
+
+constexpr std::string_view kItkSnap =
+    "# ITK-SnAP Label Description File\n0 0 0 0 0 0 0 \"Clear Label\"\n"
+    "1 255 0 0 1 1 1 \"liver\"\n2 0 255 0 0.5 1 0 \"Kidney, left\"\n";
+constexpr std::string_view kColours =
+    "# Color table file a.ctbl\n# 3 values\n0 Background 0 0 0 0\n1 liver 221 130 101 255\n"
+    "17 rib left 1 20 30 40 255\n3: spleen\n";
+constexpr std::string_view kLabelColumns =
+    "LabelValue,Name,Color_R,Type_CodingScheme,Type_CodeValue,TypeModifier_CodingScheme,"
+    "TypeModifier_CodeValue\n1,liver,10,SCT,10200004,,\n2,\"kidney, left\",20,SCT,64033007,SCT,"
+    "7771000\n";
+constexpr std::string_view kDataset =
+    R"({"name": "a", "labels": {"background": 0, "liver": 1, "spleen": 2}})";
+constexpr std::string_view kStack =
+    R"({"type": "org.mitk.multilabel.segmentation.stack", "version": 3, "groups": [{"_file":
+"./input.nii", "labels": [{"name": "liver", "value": 1, "_file": "./a.nii", "_file_value": 1}]}]})";
+constexpr std::string_view kDcmqi =
+    R"({"segmentAttributes": [[{"labelID": 1, "SegmentLabel": "x",
+"SegmentedPropertyTypeCodeSequence": {"CodeValue": "64033007"},
+"SegmentedPropertyTypeModifierCodeSequence": {"CodeValue": "7771000"}}]]})";
+
+void WriteNames(Path folder) {
+  WriteSeed(folder, "dataset.json", kDataset);
+  WriteSeed(folder, "stack.json", kStack);
+  WriteSeed(folder, "dcmqi.json", kDcmqi);
+  WriteSeed(folder, "list.json", R"({"labels": [{"value": 7, "name": "colon"}]})");
+  WriteSeed(folder, "objects.json", R"({"7": {"name": "stomach", "color": [1, 2, 3]}})");
+}
+
+/// Two groups of MITK, the second of which is described by XML.
+void WriteMitk(Path folder) {
+  volume::ScalarFile file = SmallVolume(2);
+  file.type = volume::ScalarType::kUint8;
+  file.bytes.resize(24);
+  file.keys = {{"org.mitk.multilabel.segmentation.labelgroups",
+                R"([{"labels": [{"name": "liver", "value": 1}]}])"},
+               {"org_mitk_label_001_00001",
+                "<Label><property key=\"name\"><string value=\"a\"/></property>"
+                "<property key=\"value\"><unsigned value=\"1\"/></property></Label>"}};
+  volume::WriteScalarFile(folder / "seed.nrrd", file);
+}
 
 // Calibrations of OpenCV and ROS.
 
@@ -396,7 +448,11 @@ constexpr Reader kReaders[] = {
      }},
     {"dicom_segmentation", ".dcm", [](Path file) { volume::ReadDicomSegmentation(file); },
      WriteSegmentation},
-    {"structure_set", ".dcm", [](Path file) { volume::ReadStructureSet(file, SmallCtGrid()); },
+    {"structure_set", ".dcm",
+     [](Path file) {
+       volume::FrameOfLabels(file);
+       volume::ReadStructureSet(file, SmallCtGrid(), {"1.2"});
+     },
      WriteContours},
     {"nifti_2", ".nii", ReadVolumeFile, WriteNifti2},
     {"dicom_slices", ".dcm", ReadSlices, WriteSlice},
@@ -411,6 +467,15 @@ constexpr Reader kReaders[] = {
                  "1,1,2,3,0,0,0,1,1,1,0,\"a, "
                  "b\",,\n2,4,2,3,0,0,0,1,1,1,0,c,,\n3,1,8,3,0,0,0,1,1,1,0,d,,\n");
      }},
+    {"label_description", ".txt", [](Path file) { volume::NamesInFile(file); },
+     [](Path folder) {
+       WriteSeed(folder, "snap.txt", kItkSnap);
+       WriteSeed(folder, "colours.txt", kColours);
+     }},
+    {"label_columns", ".csv", [](Path file) { volume::NamesInFile(file); },
+     [](Path folder) { WriteSeed(folder, "seed.csv", kLabelColumns); }},
+    {"label_names", ".json", [](Path file) { volume::NamesInFile(file); }, WriteNames},
+    {"label_groups", ".nrrd", [](Path file) { volume::ReadNamedValues(file); }, WriteMitk},
     {"segments", ".seg.nrrd", [](Path file) { volume::ReadNamedValues(file); }, WriteSegments},
     {"wav", ".wav", [](Path file) { sound::ReadSound(file); },
      [](Path folder) {

@@ -206,7 +206,11 @@ void Append(PoseStream& stream, std::int64_t time_ns,
 
 Session ReadColumnCsv(const fs::path& path, const fs::path& columns, bool as_it_is,
                       const RunContext& context) {
-  const json mapping = config::ReadConfig(columns, "acus-columns");
+  return ReadMappedCsv(path, config::ReadConfig(columns, "acus-columns"), as_it_is, context);
+}
+
+Session ReadMappedCsv(const fs::path& path, const json& mapping, bool as_it_is,
+                      const RunContext& context) {
   const std::string label = path.string();
   const Rows rows = RowsOf(path, mapping.at("delimiter"));
   const bool decimal_comma = rows.style.has_decimal_comma;

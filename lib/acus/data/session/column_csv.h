@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 
 #include "acus/base/core/run_context.h"
 #include "acus/data/session/session.h"
@@ -19,6 +20,10 @@ namespace acus::session {
 ///     Unless `as_it_is` also if a tool is metres away or moves within a millimetre, which is a
 ///     mistake of unit.
 Session ReadColumnCsv(const std::filesystem::path& path, const std::filesystem::path& columns,
+                      bool as_it_is, const RunContext& context);
+
+/// The same with a mapping that has been read. @pre It fits the schema acus-columns.
+Session ReadMappedCsv(const std::filesystem::path& path, const nlohmann::json& mapping,
                       bool as_it_is, const RunContext& context);
 
 }  // namespace acus::session

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <set>
+#include <span>
 #include <utility>
 
 #include "acus/base/core/atomic_file.h"
@@ -98,10 +100,30 @@ ValueNames NamesInRows(const fs::path& file, const std::vector<std::string>& lin
   return names;
 }
 
+constexpr std::array<std::string_view, 7> kIndexColumns = {
+    "index", "LabelValue", "label_value", "value", "label_id", "id", "label"};
+constexpr std::array<std::string_view, 5> kNameColumns = {"name", "label_name", "structure",
+                                                          "region", "label"};
+
 std::optional<std::string_view> FirstColumn(const CsvTable& table,
-                                            std::initializer_list<std::string_view> names) {
+                                            std::span<const std::string_view> names) {
   const auto found = std::ranges::find_if(names, [&](auto name) { return table.Has(name); });
   return found == names.end() ? std::nullopt : std::optional(*found);
+}
+
+/// Whether a row may be the header of such a table: another table is none of ours to refuse.
+bool MayBeHeader(std::string_view line) {
+  std::set<std::string> words;
+  for (const std::string& cell : CellsOf(line)) {
+    const std::size_t from = cell.find_first_not_of('"');
+    const std::size_t to = cell.find_last_not_of('"');
+    if (from != cell.npos) words.insert(ParseColumnName(cell.substr(from, to - from + 1)).words);
+  }
+  const auto has = [&](std::string_view name) {
+    return words.contains(ParseColumnName(name).words);
+  };
+  return std::ranges::any_of(kIndexColumns, has) && std::ranges::any_of(kNameColumns, has) &&
+         words.size() > 1;
 }
 
 /// The SNOMED CT codes of one kind in a table of 3D Slicer, by row; empty where there are none.
@@ -119,9 +141,8 @@ std::vector<std::string> CodesOf(const CsvTable& table, const std::string& kind)
 
 ValueNames NamesInColumns(const fs::path& file) {
   const CsvTable table(file);
-  const auto index = FirstColumn(
-      table, {"index", "LabelValue", "label_value", "value", "label_id", "id", "label"});
-  const auto name = FirstColumn(table, {"name", "label_name", "structure", "region", "label"});
+  const auto index = FirstColumn(table, kIndexColumns);
+  const auto name = FirstColumn(table, kNameColumns);
   if (!index || !name || index == name) return {};
   const std::vector<double> values = table.Numbers(*index);
   const std::vector<std::string> texts = table.Texts(*name);
@@ -155,14 +176,16 @@ void AddValueName(std::int32_t value, ValueName name, const std::string& file, V
 }
 
 ValueNames NamesInTable(const fs::path& file) {
-  RequireInputFile(file, kMostTableBytes);
+  if (RequireInputFile(file) > kMostTableBytes) return {};  // No table of names.
   const auto lines = LinesOf(Utf8Text(ReadTextFile(file), file.string()));
   const auto first = std::ranges::find_if(lines, [](const std::string& line) {
     return !Trimmed(line).empty() && !IsCommentLine(Trimmed(line));
   });
   if (first == lines.end()) return {};
   const bool may_have_header = file.extension() == ".csv" || file.extension() == ".tsv";
-  if (may_have_header && !RowIn(Trimmed(*first))) return NamesInColumns(file);
+  if (may_have_header && !RowIn(Trimmed(*first))) {
+    return MayBeHeader(*first) ? NamesInColumns(file) : ValueNames();
+  }
   return NamesInRows(file, lines);
 }
 

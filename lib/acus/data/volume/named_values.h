@@ -42,7 +42,7 @@ NamedValues Merged(const std::vector<NamedMask>& masks, const Geometry& grid);
 
 /// Reads integer labels (NIfTI, NRRD, MetaImage, VTI, or a DICOM segmentation object) and their
 /// names: a NIfTI file's label table, the segments of a `.seg.nrrd` (in one layer or several, which
-/// are merged) or of the DICOM object.
+/// are merged), the label groups of MITK, or the segments of the DICOM object.
 /// @throws InputError if the file is broken, cut off or holds no integers.
 NamedValues ReadNamedValues(const std::filesystem::path& path);
 

@@ -1,8 +1,9 @@
 #include "acus/data/volume/names_beside.h"
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
-#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "acus/base/config/json_file.h"

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "acus/base/core/atomic_file.h"
+#include "acus/base/core/child_process.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/input_file.h"
 #include "acus/base/core/xml_scan.h"
@@ -18,6 +20,7 @@ namespace {
 
 constexpr std::uintmax_t kMostFileBytes = 1U << 20U;
 constexpr std::size_t kMostCoefficients = 14;
+constexpr double kReadTimeOfCameraS = 10.0;  ///< A whole file takes a millisecond.
 constexpr double kLeastFocalShare =
     0.1;  // Focal length over width: 157 degrees. A wider lens is no pinhole.
 
@@ -102,6 +105,55 @@ void RequireShallowXml(const std::string& text, const std::string& label) {
   }
 }
 
+/// The numbers of a calibration: size, focal lengths, centre and lens, in this order.
+std::vector<double> NumbersOfCamera(const std::string& text, bool is_xml,
+                                    const std::string& label) {
+  const char* format = is_xml ? "XML" : "YAML";
+  try {
+    const cv::FileStorage file(
+        text, cv::FileStorage::READ | cv::FileStorage::MEMORY |
+                  (is_xml ? cv::FileStorage::FORMAT_XML : cv::FileStorage::FORMAT_YAML));
+    ACUS_REQUIRE(file.isOpened(), label, ": is no ", format);
+    const CameraParameters p = ParametersFrom(file, label);
+    return {static_cast<double>(p.width_px),
+            static_cast<double>(p.height_px),
+            p.focal_px[0],
+            p.focal_px[1],
+            p.centre_px[0],
+            p.centre_px[1],
+            p.radial[0],
+            p.radial[1],
+            p.radial[2],
+            p.tangential[0],
+            p.tangential[1]};
+  } catch (const cv::Exception& error) {
+    throw InputError(Message(label, ": is no ", format, " of OpenCV: ", error.err));
+  } catch (const std::length_error&) {  // OpenCV's parser throws it at a key without a name.
+    throw InputError(Message(label, ": is no ", format, " of OpenCV: a key has no name"));
+  }
+}
+
+/// In a separate process: OpenCV's parser does not end on some broken files.
+CameraParameters ParametersInChild(const std::string& text, bool is_xml, const std::string& label) {
+  core::ChildLimits limits;
+  limits.time_s = kReadTimeOfCameraS;
+  limits.memory_bytes = 1e9;
+  const core::ChildResult result = core::RunInChild(
+      [&] { return nlohmann::json(NumbersOfCamera(text, is_xml, label)).dump(); }, limits);
+  if (result.end == core::ChildResult::End::kThrew) throw InputError(result.problem);
+  ACUS_REQUIRE(result.end == core::ChildResult::End::kDone, label,
+               ": OpenCV cannot read it; the file is broken (", result.problem, ")");
+  const auto n = nlohmann::json::parse(result.bytes).get<std::vector<double>>();
+  CameraParameters p;
+  p.width_px = static_cast<int>(n[0]);
+  p.height_px = static_cast<int>(n[1]);
+  p.focal_px = {n[2], n[3]};
+  p.centre_px = {n[4], n[5]};
+  p.radial = {n[6], n[7], n[8]};
+  p.tangential = {n[9], n[10]};
+  return p;
+}
+
 }  // namespace
 
 CameraModel ReadOpenCvCamera(const std::filesystem::path& path) {
@@ -112,20 +164,8 @@ CameraModel ReadOpenCvCamera(const std::filesystem::path& path) {
   if (is_xml) RequireShallowXml(text, label);
   RequireJsonDepth(text, label);  // Its parser of YAML descends into braces, too.
   if (!is_xml && !text.starts_with("%YAML")) text = "%YAML:1.0\n---\n" + text;
-  const char* format = is_xml ? "XML" : "YAML";
-  CameraParameters parameters;
-  try {
-    const cv::FileStorage file(
-        text, cv::FileStorage::READ | cv::FileStorage::MEMORY |
-                  (is_xml ? cv::FileStorage::FORMAT_XML : cv::FileStorage::FORMAT_YAML));
-    ACUS_REQUIRE(file.isOpened(), label, ": is no ", format);
-    parameters = ParametersFrom(file, label);
-    parameters.name = path.stem().string();
-  } catch (const cv::Exception& error) {
-    throw InputError(Message(label, ": is no ", format, " of OpenCV: ", error.err));
-  } catch (const std::length_error&) {  // OpenCV's parser throws it at a key without a name.
-    throw InputError(Message(label, ": is no ", format, " of OpenCV: a key has no name"));
-  }
+  CameraParameters parameters = ParametersInChild(text, is_xml, label);
+  parameters.name = path.stem().string();
   try {
     return CameraModel(parameters);
   } catch (const InputError& error) {

@@ -75,7 +75,10 @@ TEST_F(LabelTable, HasColumns) {
   EXPECT_EQ(names.at(5).codes, std::vector<std::string>{"64033007"});
   EXPECT_EQ(names.at(5).side, "left");
   EXPECT_THAT(names.at(6).codes, IsEmpty());
+  // Other tables of the same name are passed over, whatever is wrong with them.
   EXPECT_THAT(Read("time_s,force_n\n0,1\n1,2\n", "b.csv"), IsEmpty());
+  EXPECT_THAT(Read("-1.5,2.5\n0,1\n", "b.csv"), IsEmpty());
+  EXPECT_THAT(Read("volume_ml,mean\nliver\n", "b.csv"), IsEmpty());
   EXPECT_THAT([&] { Read("index,name\n1.5,liver\n", "c.csv"); },
               ThrowsMessage<InputError>(HasSubstr("index is 1.5; a whole number is needed")));
 }
