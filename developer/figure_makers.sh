@@ -203,7 +203,7 @@ make_sessions() {
   rm -rf places/default
   mkdir -p places
   quietly "$root/pipelines/live-session" --text --new places/default
-  quietly "$root/pipelines/common/on_display.sh" "$root/pipelines/live-session" --text --demo --trainee T07 --duration 25 \
+  quietly "$root/pipelines/common/on_display.sh" "$root/pipelines/live-session" --text --demo --trainee T07 --duration 30 \
     --exercise lumbar_puncture --screenshot "$PWD/session_lumbar.png" places/default </dev/null
   small session_lumbar.png "$figures/session_lumbar.png"
 }
@@ -224,11 +224,12 @@ make_launcher() {
   Xvfb -displayfd 7 -screen 0 1100x700x24 -fbdir "$PWD/display" -nolisten tcp 7>display/number >/dev/null 2>&1 &
   server=$!
   sleep 3
-  DISPLAY=:$(head -n 1 display/number) acus-launcher places >/dev/null 2>&1 &
+  DISPLAY=:$(head -n 1 display/number) acus-launcher places >/dev/null 2>launcher.txt &
   program=$!
   rm -f launcher.png
   for tries in {1..40}; do
     sleep 3
+    kill -0 "$program" 2>/dev/null || { cat launcher.txt >&2; kill "$server"; return 4; }
     [[ ! -f launcher.png ]] || mv launcher.png before.png
     /usr/bin/python3 -B "$root/tests/launcher/screenshot.py" display launcher.png
     [[ $(colours launcher.png) -lt 200 ]] || ! cmp -s before.png launcher.png || break
@@ -242,8 +243,10 @@ make_launcher() {
 # The window of pipelines/training-day, at the end of the day that its test plays.
 make_training_day() {
   build programs
-  quietly ctest --test-dir "$root/build" -R '^cli.training-day.day$' --output-on-failure
-  cp "$(find "$root/build/tests" -name next_morning.png | head -n 1)" "$figures/training_day.png"
+  local bin=${ACUS_BIN:-$root/build/bin}
+  quietly env ACUS_BIN="$bin" INPUTS="$PWD/inputs" bash "$root/tests/cli/make_inputs.sh" "$root"
+  quietly env ACUS_BIN="$bin" INPUTS="$PWD/inputs" WAIT_S=120 bash "$root/tests/launcher/day.sh" "$root" day
+  cp day/next_morning.png "$figures/training_day.png"
 }
 
 make_accuracy() { quietly "$root/developer/accuracy-and-time" --from-stored; }

@@ -71,17 +71,6 @@ fact markers "$(awk 'END { print NR - 1 }' patient/markers_ct.csv)"
 fact bevel_n "$(number run_bevel "largest lateral force")"
 fact viscoelastic_n "$(number run_viscoelastic "largest axial force")"
 fact tissues "$(awk -F, 'NR > 1 && $3 != "outside" { t[$3] } END { for (n in t) ++k; print k }' run_forces/events.csv)"
-# The needle and the probe in finite elements in 3D: a mesh takes minutes.
-if [[ -z $quick ]]; then
-  say "finite elements in 3D"
-  acus-mesh patient/labels.seg.nrrd --config "$root/configs/meshes/lumbar.json" --corridor patient/corridor_ct.csv \
-    --probe-at="$(probe_place patient $session)" --condense -o mesh --overwrite --quiet >mesh.txt
-  replay run_fe_3d patient $session "${common[@]}" "${no_images[@]}" --set "/patient/mesh=$PWD/mesh" \
-    --set '/effects/tissue={"model": "fe_3d", "fe_3d": {"probe_contact": true}}' --set /effects/probe_force/model=tissue
-  fact mesh_nodes "$(/usr/bin/python3 -B -c 'import json, sys; print(json.load(open(sys.argv[1]))["num_nodes"])' mesh/mesh.json)"
-  fact probe_fe_3d_n "$(number run_fe_3d "largest probe force")"
-  fact axial_fe_3d_n "$(number run_fe_3d "largest axial force")"
-fi
 load_facts
 heading "Tables"
 for part in speed feel tracking; do table $part; done

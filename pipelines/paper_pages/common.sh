@@ -159,20 +159,6 @@ session_of() {
   { echo "time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,status"; cat; } >"$1/$2.csv"
 }
 
-# probe_place PATIENT SESSION: "x,y,z" of the probe's face in the middle of a session, CT mm.
-probe_place() {
-  /usr/bin/python3 -B - "$1/truth.json" "$2/probe.csv" <<'PYTHON'
-import csv, json, sys
-with open(sys.argv[1], encoding="utf-8") as file:
-    pose = json.load(file)["reference_from_ct"]
-with open(sys.argv[2], encoding="utf-8") as file:
-    rows = list(csv.DictReader(file))
-row = rows[len(rows) // 2]
-way = [float(row[f"{axis}_mm"]) - pose[r][3] for r, axis in enumerate("xyz")]
-print(",".join(f"{sum(pose[r][c] * way[r] for r in range(3)):.3f}" for c in range(3)))
-PYTHON
-}
-
 # constant_stroke FOLDER MM_PER_MIN X Y Z X Y Z: a needle from 10 mm before one point to the other, in CT space.
 constant_stroke() {
   awk -v speed="$2" -v from="$3 $4 $5" -v to="$6 $7 $8" 'BEGIN { split(from, a, " "); split(to, b, " ")

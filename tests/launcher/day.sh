@@ -46,17 +46,17 @@ xvfb=$!
 launcher=''
 trap 'kill $xvfb $launcher 2>/dev/null || true' EXIT
 
-# wait_for WHAT COMMAND...: until the command succeeds, 20 s at most.
+# wait_for WHAT COMMAND...: until the command succeeds, 20 s at most, or WAIT_S where the machine is busy.
 wait_for() {
   local what=$1
   shift
-  local end=$((SECONDS + 20))
+  local end=$((SECONDS + ${WAIT_S:-20}))
   while [[ $SECONDS -lt $end ]]; do
     if "$@" >/dev/null 2>&1; then return; fi
     sleep 0.05
   done
   shot failed
-  fail "not within 20 s: $what"
+  fail "not within ${WAIT_S:-20} s: $what"
 }
 shot() { python3 "$source/tests/launcher/screenshot.py" fb "$1.png"; }
 has_line() { [[ -s display_number ]]; }
