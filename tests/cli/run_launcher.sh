@@ -43,11 +43,12 @@ grep -q '"state": "done"' "$session/report/training.json" || fail "no step was t
 grep -q 'trial 1' <(sed -n 's/.*--trial \([0-9]*\).*/trial \1/p' "$session/provenance.json") ||
   fail "the first session is not trial 1"
 
-# The demonstration does its exercise.
+# The demonstration does its exercise, and so does somebody who does what the window says.
 root=$source
 # shellcheck source=/dev/null
 source "$root/tests/cli/play.sh"
 play_demonstration work play
+play_first_session work first
 
 # The workplaces of the papers start. One patient serves all: making each its own takes a minute.
 expect 2 "must be one of augmented_2010, .*; got 'x'" "$launcher" --text --new no --paper x

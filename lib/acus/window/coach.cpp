@@ -1,5 +1,6 @@
 #include "acus/window/coach.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -9,8 +10,12 @@
 namespace acus::window {
 namespace {
 
+using training::StepCondition;
 using translation::Marked;
 using translation::Translated;
+
+/// Deeper than a probe compresses tissue.
+constexpr double kDeepestProbeMm = 15.0;
 
 std::string MmText(double distance_mm) {
   return std::to_string(std::lround(std::abs(distance_mm))) + " mm";
@@ -26,7 +31,27 @@ std::string Remedy(const SteeredTool& tool, bool is_probe, const Eigen::Vector3d
                   : Translated("Tab selects the needle, {1} moves it there.", {key});
 }
 
+std::string AdvanceText(const SteeredTool& needle) {
+  const std::string key = Translated(Marked("Page Down"));
+  return !needle.is_virtual   ? Translated("Advance the needle.")
+         : needle.is_selected ? Translated("{1} advances the needle.", {key})
+                              : Translated("Tab selects the needle, {1} advances it.", {key});
+}
+
+std::string WithdrawText(const SteeredTool& needle) {
+  const std::string key = Translated(Marked("Page Up"));
+  return !needle.is_virtual   ? Translated("Withdraw the needle.")
+         : needle.is_selected ? Translated("{1} withdraws the needle.", {key})
+                              : Translated("Tab selects the needle, {1} withdraws it.", {key});
+}
+
 std::string OfContact(const CoachView& view) {
+  if (view.probe_depth_mm > kDeepestProbeMm) {
+    return Translated(
+        "The probe is {1} below the skin: {2}",
+        {MmText(view.probe_depth_mm), Remedy(view.probe, true, -view.ct_from_probe.col(1),
+                                             Translated("draw it back to the skin."))});
+  }
   if (view.now.probe_on_skin) return "";
   if (!view.gap_to_skin_mm) {
     return !view.probe.is_virtual
@@ -87,6 +112,39 @@ std::string OfNeedle(const CoachView& view) {
                    "button turns it.");
 }
 
+/// The part of the needle's distance from the target that aiming changes: across the needle, and in
+/// the image plane where the needle must stay in it.
+Eigen::Vector3d BesideTarget(const CoachView& view) {
+  const Eigen::Vector3d& way = *view.tip_to_target_in_ct_mm;
+  const Eigen::Vector3d& along = view.needle.along_in_ct;
+  Eigen::Vector3d beside = way - way.dot(along) * along;
+  if (view.wants_plane && view.has_probe) {
+    const Eigen::Vector3d normal = view.ct_from_probe.col(2);
+    beside -= beside.dot(normal) * normal;
+  }
+  return beside;
+}
+
+std::string OfAim(const CoachView& view) {
+  if (!view.tip_to_target_in_ct_mm || view.now.target_reached) return "";
+  const double ahead_mm = view.tip_to_target_in_ct_mm->dot(view.needle.along_in_ct);
+  const Eigen::Vector3d beside = BesideTarget(view);
+  const double beside_mm = beside.norm();
+  if (!view.now.needle_in_tissue) {
+    if (beside_mm <= std::max(1.0, 0.5 * view.target_radius_mm)) return "";
+    return Translated("The needle's line misses the target by {1}: {2}",
+                      {MmText(beside_mm), Remedy(view.needle, false, beside / beside_mm,
+                                                 Translated("shift or turn the needle."))});
+  }
+  if (ahead_mm < -view.target_radius_mm) {
+    return Translated("The tip is {1} beyond the target: {2}",
+                      {MmText(ahead_mm), WithdrawText(view.needle)});
+  }
+  if (beside_mm <= 1.5 * view.target_radius_mm) return "";
+  return Translated("The needle's line misses the target by {1}: {2}",
+                    {MmText(beside_mm), WithdrawText(view.needle)});
+}
+
 }  // namespace
 
 std::string KeyTowards(const SteeredTool& tool, const Eigen::Vector3d& direction_in_ct) {
@@ -119,7 +177,35 @@ std::string CoachLine(const CoachView& view) {
   if (!view.has_needle) return "";
   if (!view.now.needle_seen)
     return Translated("The needle is not seen: turn its marker to the camera.");
-  return OfNeedle(view);
+  if (const std::string line = OfNeedle(view); !line.empty()) return line;
+  return OfAim(view);
+}
+
+std::string HowTo(const CoachView& view) {
+  if (!view.next) return "";
+  switch (*view.next) {
+    case StepCondition::kBreathHeld:
+    case StepCondition::kPositionChecked:
+      return view.breath_held ? "" : Translated("B holds the breath.");
+    case StepCondition::kNeedleWithdrawn:
+      return WithdrawText(view.needle);
+    case StepCondition::kNeedleJiggled:
+      if (!view.now.needle_in_tissue) return AdvanceText(view.needle);
+      return view.needle.is_virtual ? Translated("Page Down and Page Up, in turn, jiggle it.")
+                                    : Translated("Move it back and forth.");
+    case StepCondition::kNeedleAtSkin:
+    case StepCondition::kNeedleInTissue:
+    case StepCondition::kStructuresSpared:
+    case StepCondition::kTargetReached:
+      return view.now.target_reached ? Translated("Hold the needle still.")
+                                     : AdvanceText(view.needle);
+    case StepCondition::kProbeOnSkin:
+    case StepCondition::kTargetInView:
+    case StepCondition::kNeedleInPlane:
+    case StepCondition::kNeedleSeen:
+      return "";
+  }
+  return "";
 }
 
 }  // namespace acus::window

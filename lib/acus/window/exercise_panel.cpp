@@ -50,23 +50,24 @@ ExerciseOnDisplay::Goal GoalToShow(const replay::GoalNow& goal) {
 class Column {
  public:
   Column(const Rectangle& place, const TextSizes& sizes, Sketch& sketch)
-      : place_(place), sizes_(sizes), sketch_(sketch), row_(place.top + 8) {}
+      : place_(place), sizes_(sizes), sketch_(sketch), row_(place.top + Px(8)) {}
 
   bool HasRoom(int height_px) const { return row_ + height_px <= place_.top + place_.height; }
-  int RowPx() const { return sketch_.TextHeight(sizes_.small_px) + 3; }
+  int RowPx() const { return sketch_.TextHeight(sizes_.small_px) + Px(3); }
+  int IndentPx() const { return Px(14); }
   int RoomLeft() const { return place_.top + place_.height - row_; }
 
   void Heading(const std::string& text) {
-    row_ += 6;
+    row_ += Px(6);
     Text(text, palette::kFaint, 0, true);
   }
   void Text(const std::string& text, Colour colour, int indent_px, bool bold = false) {
     for (const std::string& line :
-         Wrapped(text, sizes_.small_px, place_.width - 24 - indent_px, sketch_)) {
+         Wrapped(text, sizes_.small_px, place_.width - Px(24) - indent_px, sketch_)) {
       if (!HasRoom(RowPx())) return;
-      sketch_.Text(Corner(12 + indent_px), line,
+      sketch_.Text(Corner(Px(12) + indent_px), line,
                    {.size_px = sizes_.small_px, .colour = colour, .bold = bold},
-                   place_.width - 24 - indent_px);
+                   place_.width - Px(24) - indent_px);
       row_ += RowPx();
     }
   }
@@ -75,11 +76,12 @@ class Column {
     if (!HasRoom(RowPx())) return;
     Mark(severity);
     const int value_px = sketch_.TextWidth(value, sizes_.small_px);
-    const int room = place_.width - 24 - kIndentPx;
-    sketch_.Text({place_.left + place_.width - 12, row_}, value,
+    const int room = place_.width - Px(24) - IndentPx();
+    sketch_.Text({place_.left + place_.width - Px(12), row_}, value,
                  {.size_px = sizes_.small_px, .colour = colour, .align = Align::kRight}, room);
     if (room - value_px - 8 > 20) {
-      sketch_.Text(Corner(12 + kIndentPx), name, {.size_px = sizes_.small_px}, room - value_px - 8);
+      sketch_.Text(Corner(Px(12) + IndentPx()), name, {.size_px = sizes_.small_px},
+                   room - value_px - 8);
     }
     row_ += RowPx();
   }
@@ -87,11 +89,11 @@ class Column {
   template <typename... State>
   void Mark(State... state) {
     const double half = 0.5 * sketch_.TextHeight(sizes_.small_px);
-    DrawMark(state..., {place_.left + 16.0, row_ + half}, 0.7 * half, sketch_);
+    DrawMark(state..., {place_.left + 16.0 * MarkScale(sizes_), row_ + half}, 0.7 * half, sketch_);
   }
-  static constexpr int kIndentPx = 14;
 
  private:
+  int Px(int px) const { return Scaled(px, sizes_); }
   Eigen::Vector2i Corner(int indent_px) const { return {place_.left + indent_px, row_}; }
 
   Rectangle place_;
@@ -112,9 +114,9 @@ void DrawSteps(const ExerciseOnDisplay& exercise, Column& column) {
                 is_next                                      ? palette::kText
                 : step.state == training::StepState::kFailed ? palette::kFault
                                                              : palette::kFaint,
-                Column::kIndentPx, is_next);
+                column.IndentPx(), is_next);
     if (is_next && !exercise.hint.empty()) {
-      column.Text(Translated(exercise.hint), palette::kNeedle, Column::kIndentPx);
+      column.Text(Translated(exercise.hint), palette::kNeedle, column.IndentPx());
     }
   }
 }
@@ -127,7 +129,7 @@ void DrawGoals(const ExerciseOnDisplay& exercise, Column& column) {
   for (const ExerciseOnDisplay::Goal& goal : exercise.goals) {
     column.Pair(goal.severity, Translated(goal.name), goal.value,
                 goal.severity == Severity::kNote ? palette::kFaint : ColourOf(goal.severity));
-    if (has_room) column.Text(goal.limit, palette::kFaint, Column::kIndentPx);
+    if (has_room) column.Text(goal.limit, palette::kFaint, column.IndentPx());
   }
 }
 

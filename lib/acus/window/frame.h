@@ -109,6 +109,7 @@ struct ExerciseOnDisplay {
   std::vector<Step> steps;
   std::optional<std::size_t> next_step;
   std::string hint;  ///< Hint for the next step; may be empty.
+  std::string how;   ///< HowTo() do the next step; may be empty.
 };
 
 /// The content of the window at one time.

@@ -189,13 +189,25 @@ void FrameMaker::AddExercise(const live::LiveImage& image, bool steers_probe) {
   if (view.now.probe_seen && !view.now.probe_on_skin) {
     view.gap_to_skin_mm = training::GapToSkinMm(probe.reference_from_tool, label_at_);
   }
-  if (live != nullptr && live->target_in_ct_mm())
+  if (view.now.probe_seen) {
+    view.probe_depth_mm = training::DepthBelowSkinMm(probe.reference_from_tool, label_at_);
+  }
+  view.target_radius_mm = exercise.target_radius_mm;
+  view.breath_held = snapshot.breath_held;
+  if (live != nullptr && live->target_in_ct_mm()) {
     frame_.tip_to_target_mm = view.now.tip_to_target_mm;
-  if (exercise.hints.coach) frame_.coach = CoachLine(view);
+    if (view.now.tip_mm) view.tip_to_target_in_ct_mm = *options.target_mm - *view.now.tip_mm;
+  }
   if (live != nullptr) {
     frame_.exercise = ExerciseToShow(exercise, live->progress(), view.now.tip_to_target_mm, trial_);
     frame_.exercise->caption = caption_;
+    const auto& next = frame_.exercise->next_step;
+    if (next) view.next = exercise.checklist.steps[*next].when;
+    if (exercise.hints.coach) frame_.exercise->how = HowTo(view);
   }
+  // After the last step there is nothing to do.
+  const bool has_ended = frame_.exercise && !frame_.exercise->steps.empty() && !view.next;
+  if (exercise.hints.coach && !has_ended) frame_.coach = CoachLine(view);
 }
 
 }  // namespace acus::window

@@ -5,10 +5,13 @@
 #include <cmath>
 #include <cstdio>
 
+#include "acus/base/translation/translation.h"
 #include "acus/imaging/volume_rendering/tools.h"
 
 namespace acus::window {
 namespace {
+
+using translation::Translated;
 
 /// Farther from the plane than this, a point is not in the image.
 constexpr double kInPlaneMm = 3.0;
@@ -23,13 +26,14 @@ void DrawDepthScale(const PlaneOnScreen& plane, const acoustics::Probe& probe,
       plane.place.height / (plane.geometry.height_px * plane.geometry.axial_mm_per_px);
   const double top = plane.place.top - px_per_mm * plane.geometry.depth_of_top_row_mm;
   const int left = plane.place.left - 6;
+  const double scale = MarkScale(sizes);
   const int label_mm = px_per_mm * 10.0 > 22.0 ? 10 : 20;
   for (int mm = 0; mm <= static_cast<int>(probe.depth_mm + 0.5); mm += 5) {
     const double row = top + px_per_mm * mm;
     if (row > plane.place.top + plane.place.height) break;
     const bool is_cm = mm % 10 == 0;
     if (!is_cm && px_per_mm < 1.6) continue;
-    sketch.Line({left - (is_cm ? 8 : 4), row}, {left, row}, 1.0, palette::kFaint);
+    sketch.Line({left - (is_cm ? 8 : 4), row}, {left, row}, scale, palette::kFaint);
     if (mm % label_mm != 0) continue;
     const int middle = static_cast<int>(row) - sketch.TextHeight(sizes.small_px) / 2;
     sketch.Text(Corner(left - 12, middle), std::to_string(mm / 10),
@@ -37,13 +41,14 @@ void DrawDepthScale(const PlaneOnScreen& plane, const acoustics::Probe& probe,
   }
   const double focus = top + px_per_mm * probe.focus_mm;
   if (probe.focus_mm > 0.0 && focus < plane.place.top + plane.place.height) {
-    sketch.Triangle({left + 1.0, focus - 5.0}, {left + 1.0, focus + 5.0}, {left - 7.0, focus},
-                    palette::kNeedle);
+    sketch.Triangle({left + 1.0, focus - 5.0 * scale}, {left + 1.0, focus + 5.0 * scale},
+                    {left - 7.0 * scale, focus}, palette::kNeedle);
   }
 }
 
 /// The path ahead of the tip, up to the border of the image.
-void DrawGuide(const image::NeedleInImage& needle, const PlaneOnScreen& plane, Sketch& sketch) {
+void DrawGuide(const image::NeedleInImage& needle, const PlaneOnScreen& plane, double scale,
+               Sketch& sketch) {
   constexpr double kAheadMm = 200.0;
   Eigen::Vector3d tip_mm = needle.tip_in_ct_mm;
   Eigen::Vector3d axis = needle.axis_in_ct;
@@ -54,31 +59,32 @@ void DrawGuide(const image::NeedleInImage& needle, const PlaneOnScreen& plane, S
   const Eigen::Vector3d tip = plane.At(tip_mm);
   const Eigen::Vector3d ahead = plane.At(tip_mm + kAheadMm * axis);
   if (!tip.allFinite() || !ahead.allFinite()) return;
-  sketch.Dashes(tip.head<2>(), ahead.head<2>(), 1.0, palette::kNeedle.Faded(0.75));
+  sketch.Dashes(tip.head<2>(), ahead.head<2>(), scale, palette::kNeedle.Faded(0.75));
   // The intersection with the plane, if it is ahead of the tip.
   const double leaves = tip[2] - ahead[2];
   if (std::abs(leaves) < 1e-6) return;
   const double share = tip[2] / leaves;
   if (share <= 0.0 || share >= 1.0 || std::abs(tip[2]) < kInPlaneMm) return;
-  sketch.Ring((tip + share * (ahead - tip)).head<2>(), 5.0, 1.0, palette::kNeedle);
+  sketch.Ring((tip + share * (ahead - tip)).head<2>(), 5.0 * scale, scale, palette::kNeedle);
 }
 
-void DrawTargetIn(const PlaneOnScreen& plane, const Eigen::Vector3d& target_mm, Sketch& sketch,
-                  const TextSizes* sizes) {
+void DrawTargetIn(const PlaneOnScreen& plane, const Eigen::Vector3d& target_mm,
+                  const TextSizes& sizes, bool with_distance, Sketch& sketch) {
   const Eigen::Vector3d at = plane.At(target_mm);
   if (!at.allFinite()) return;
   const bool in_plane = std::abs(at[2]) <= kInPlaneMm;
   const Colour colour = palette::kTarget.Faded(in_plane ? 1.0 : 0.55);
-  sketch.Ring(at.head<2>(), 8.0, 1.5, colour);
-  if (in_plane) sketch.Dot(at.head<2>(), 2.0, colour);
+  const double scale = MarkScale(sizes);
+  sketch.Ring(at.head<2>(), 8.0 * scale, 1.5 * scale, colour);
+  if (in_plane) sketch.Dot(at.head<2>(), 2.0 * scale, colour);
   const bool inside = plane.place.Contains(static_cast<int>(at[0]), static_cast<int>(at[1]));
-  if (in_plane || sizes == nullptr || !inside) return;
-  const std::string text = Digits(std::abs(at[2]), 0) + " mm off plane";
+  if (in_plane || !with_distance || !inside) return;
+  const std::string text = Translated("{1} mm off plane", {Digits(std::abs(at[2]), 0)});
   const bool to_the_left = at[0] > plane.place.left + 0.6 * plane.place.width;
-  sketch.Text(Corner(static_cast<int>(at[0]) + (to_the_left ? -13 : 13),
-                     static_cast<int>(at[1]) - sketch.TextHeight(sizes->small_px) / 2),
+  sketch.Text(Corner(static_cast<int>(at[0] + (to_the_left ? -13.0 : 13.0) * scale),
+                     static_cast<int>(at[1]) - sketch.TextHeight(sizes.small_px) / 2),
               text,
-              {.size_px = sizes->small_px,
+              {.size_px = sizes.small_px,
                .colour = colour,
                .align = to_the_left ? Align::kRight : Align::kLeft,
                .shade = true});
@@ -96,6 +102,14 @@ TextSizes SizesFor(int window_height_px) {
   const double scale = std::clamp(window_height_px / 800.0, 0.8, 2.8);
   const auto size = [&](double px) { return static_cast<int>(std::lround(scale * px)); };
   return {.small_px = size(13.0), .normal_px = size(15.0), .large_px = size(24.0)};
+}
+
+double MarkScale(const TextSizes& sizes) {
+  return sizes.small_px / 13.0;
+}
+
+int Scaled(int px, const TextSizes& sizes) {
+  return static_cast<int>(std::lround(px * MarkScale(sizes)));
 }
 
 Rectangle ImageRoom(ViewKind view, const Rectangle& place, const TextSizes& sizes) {
@@ -128,7 +142,7 @@ Eigen::Vector3d PlaneOnScreen::At(const Eigen::Vector3d& place_in_ct_mm) const {
 }
 
 void DrawTitle(std::string_view title, std::string_view detail, const Rectangle& place,
-               const TextSizes& sizes, Sketch& sketch) {
+               const TextSizes& sizes, Sketch& sketch, Colour detail_colour) {
   const int top = place.top + 5;
   const int used = sketch.Text(Corner(place.left + 10, top), title,
                                {.size_px = sizes.normal_px, .bold = true, .shade = true},
@@ -137,7 +151,7 @@ void DrawTitle(std::string_view title, std::string_view detail, const Rectangle&
   if (detail.empty() || room < 40) return;
   sketch.Text(
       Corner(place.left + place.width - 10, top + 1), detail,
-      {.size_px = sizes.small_px, .colour = palette::kFaint, .align = Align::kRight, .shade = true},
+      {.size_px = sizes.small_px, .colour = detail_colour, .align = Align::kRight, .shade = true},
       room);
 }
 
@@ -146,47 +160,51 @@ void DrawUltrasoundMarks(const DisplayFrame& frame, const Rectangle& place,
                          const TextSizes& sizes) {
   const acoustics::Probe& probe = *frame.ultrasound.probe;
   sketch.SetClip(place);
-  DrawTitle("Ultrasound", probe.name + ", " + Digits(probe.frequency_mhz, 1) + " MHz", place, sizes,
-            sketch);
+  const std::string title = Translated(TitleOf(ViewKind::kUltrasound));
+  if (frame.ultrasound.frozen) {
+    DrawTitle(title, Translated("FROZEN: F resumes"), place, sizes, sketch, palette::kWarning);
+  } else {
+    DrawTitle(title, probe.name + ", " + Digits(probe.frequency_mhz, 1) + " MHz", place, sizes,
+              sketch);
+  }
   DrawDepthScale(plane, probe, sizes, sketch);
   sketch.SetClip(plane.place);
   // The marked side, as the ridge on the probe: on the right, in the direction of +x.
-  sketch.Ring({plane.place.left + plane.place.width - 12.0, plane.place.top + 12.0}, 6.0, 2.0,
-              palette::kGood);
+  const double scale = MarkScale(sizes);
+  const double inset = 12.0 * scale;
+  sketch.Ring({plane.place.left + plane.place.width - inset, plane.place.top + inset}, 6.0 * scale,
+              2.0 * scale, palette::kGood);
   if (frame.ct_from_probe) {
-    if (frame.needle && choice.needle_guide) DrawGuide(*frame.needle, plane, sketch);
-    if (frame.target_in_ct_mm) DrawTargetIn(plane, *frame.target_in_ct_mm, sketch, &sizes);
+    if (frame.needle && choice.needle_guide) DrawGuide(*frame.needle, plane, scale, sketch);
+    if (frame.target_in_ct_mm) DrawTargetIn(plane, *frame.target_in_ct_mm, sizes, true, sketch);
   }
   sketch.SetClip(place);
   const int below = place.top + place.height - sizes.normal_px - 8;
-  const std::string readout = "Depth " + Digits(probe.depth_mm / 10.0, 1) + " cm    Gain " +
-                              Digits(probe.gain_db, 0) + " dB";
+  const std::string readout = Translated("Depth {1} cm", {Digits(probe.depth_mm / 10.0, 1)}) +
+                              "    " + Translated("Gain {1} dB", {Digits(probe.gain_db, 0)});
   sketch.Text(Corner(place.left + place.width / 2, below), readout,
               {.size_px = sizes.small_px, .align = Align::kMiddle}, place.width - 20);
-  if (frame.ultrasound.frozen) {
-    sketch.Frame(plane.place, palette::kWarning);
-    sketch.Text(Corner(plane.place.left + plane.place.width / 2, plane.place.top + 6), "FROZEN",
-                {.size_px = sizes.normal_px,
-                 .colour = palette::kWarning,
-                 .align = Align::kMiddle,
-                 .bold = true,
-                 .shade = true});
-  }
+  if (frame.ultrasound.frozen) sketch.Frame(plane.place, palette::kWarning);
 }
 
-void DrawSliceMarks(const DisplayFrame& frame, const PlaneOnScreen& plane, Sketch& sketch) {
+void DrawSliceMarks(const DisplayFrame& frame, const PlaneOnScreen& plane, const TextSizes& sizes,
+                    Sketch& sketch) {
   sketch.SetClip(plane.place);
-  if (frame.target_in_ct_mm) DrawTargetIn(plane, *frame.target_in_ct_mm, sketch, nullptr);
+  if (frame.target_in_ct_mm) DrawTargetIn(plane, *frame.target_in_ct_mm, sizes, false, sketch);
   if (!frame.needle) return;
   const math::Polyline& shape = frame.needle->shape;
   const Eigen::Vector3d tip =
       plane.At(shape.num_points >= 2 ? shape.At(0) : frame.needle->tip_in_ct_mm);
-  if (std::abs(tip[2]) <= kInPlaneMm) sketch.Ring(tip.head<2>(), 4.0, 1.0, palette::kNeedle);
+  const double scale = MarkScale(sizes);
+  if (std::abs(tip[2]) > kInPlaneMm) return;
+  sketch.Ring(tip.head<2>(), 4.0 * scale, scale, palette::kNeedle);
 }
 
-void DrawVideoMarks(const DisplayFrame& frame, const Rectangle& place, Sketch& sketch) {
+void DrawVideoMarks(const DisplayFrame& frame, const Rectangle& place, const TextSizes& sizes,
+                    Sketch& sketch) {
   if (!frame.video || !frame.video->pose_valid) return;
   const volume_rendering::Camera& camera = frame.video->camera;
+  const double scale = MarkScale(sizes);
   const auto on_screen = [&](const Eigen::Vector3d& at) -> std::optional<Eigen::Vector2d> {
     if (!at.allFinite() || (camera.camera_from_ct * at)[2] < 1.0) return std::nullopt;
     const Eigen::Array2d share =
@@ -198,7 +216,7 @@ void DrawVideoMarks(const DisplayFrame& frame, const Rectangle& place, Sketch& s
                         Colour colour) {
     const auto from = on_screen(a);
     const auto to = on_screen(b);
-    if (from && to) sketch.Line(*from, *to, width, colour);
+    if (from && to) sketch.Line(*from, *to, width * scale, colour);
   };
   sketch.SetClip(place);
   if (frame.ct_from_probe && frame.ultrasound.probe) {
@@ -221,8 +239,8 @@ void DrawVideoMarks(const DisplayFrame& frame, const Rectangle& place, Sketch& s
   }
   if (frame.target_in_ct_mm) {
     if (const auto at = on_screen(*frame.target_in_ct_mm)) {
-      sketch.Ring(*at, 8.0, 1.5, palette::kTarget);
-      sketch.Dot(*at, 2.0, palette::kTarget);
+      sketch.Ring(*at, 8.0 * scale, 1.5 * scale, palette::kTarget);
+      sketch.Dot(*at, 2.0 * scale, palette::kTarget);
     }
   }
 }

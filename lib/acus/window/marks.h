@@ -17,6 +17,10 @@ struct TextSizes {
   int large_px = 22;
 };
 TextSizes SizesFor(int window_height_px);
+/// Size of marks relative to those in a window 800 pixels high: they grow as its text does.
+double MarkScale(const TextSizes& sizes);
+/// A length of that window, in pixels of this one.
+int Scaled(int px, const TextSizes& sizes);
 
 /// The rectangle of a view's image: below its title, and beside its scale if it has one.
 Rectangle ImageRoom(ViewKind view, const Rectangle& place, const TextSizes& sizes);
@@ -33,7 +37,7 @@ struct PlaneOnScreen {
 };
 
 void DrawTitle(std::string_view title, std::string_view detail, const Rectangle& place,
-               const TextSizes& sizes, Sketch& sketch);
+               const TextSizes& sizes, Sketch& sketch, Colour detail_colour = palette::kFaint);
 
 /// Depth scale, focus, marked side, guide, target, freeze, gain: as on a scanner.
 void DrawUltrasoundMarks(const DisplayFrame& frame, const Rectangle& place,
@@ -41,10 +45,12 @@ void DrawUltrasoundMarks(const DisplayFrame& frame, const Rectangle& place,
                          const TextSizes& sizes);
 
 /// Tip and target.
-void DrawSliceMarks(const DisplayFrame& frame, const PlaneOnScreen& plane, Sketch& sketch);
+void DrawSliceMarks(const DisplayFrame& frame, const PlaneOnScreen& plane, const TextSizes& sizes,
+                    Sketch& sketch);
 
 /// Needle, target and the probe's plane over the video.
-void DrawVideoMarks(const DisplayFrame& frame, const Rectangle& place, Sketch& sketch);
+void DrawVideoMarks(const DisplayFrame& frame, const Rectangle& place, const TextSizes& sizes,
+                    Sketch& sketch);
 
 /// Distance from the tip in the images to the target, mm. Nothing if one of them does not exist.
 std::optional<double> ImagedTipToTargetMm(const DisplayFrame& frame);

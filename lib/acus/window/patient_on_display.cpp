@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "acus/base/translation/translation.h"
 #include "acus/data/volume/volume_io.h"
 #include "acus/scene/effects/view_3d/patient_surfaces.h"
 #include "acus/scene/effects/view_3d/view_3d.h"
@@ -76,11 +77,12 @@ PatientInView BoneAndOrgans(const PatientOnDisplay& patient) {
 std::vector<VolumeLook> LooksOf(const PatientOnDisplay& patient) {
   std::vector<VolumeLook> looks;
   if (!patient.in_overlay.ct) return looks;
-  looks.push_back({"bone and organs", BoneAndOrgans(patient)});
-  for (const auto& [preset, name] : {std::pair{"skin", "skin"},
-                                     {"bone", "bone"},
-                                     {"soft_tissue", "soft tissue"},
-                                     {"vessels", "vessels"}}) {
+  using translation::Marked;
+  looks.push_back({Marked("bone and organs"), BoneAndOrgans(patient)});
+  for (const auto& [preset, name] : {std::pair{"skin", Marked("skin")},
+                                     {"bone", Marked("bone")},
+                                     {"soft_tissue", Marked("soft tissue")},
+                                     {"vessels", Marked("vessels")}}) {
     PatientInView look = patient.in_overlay;
     look.layers = {{preset, 1.0}};
     looks.push_back({name, std::move(look)});

@@ -7,17 +7,11 @@
 #include "acus/base/core/monotonic_time.h"
 #include "acus/base/translation/translation.h"
 #include "acus/window/frame_maker.h"
-#include "acus/window/hand_steering.h"
-#include "acus/window/orders.h"
 #include "acus/window/patient_on_display.h"
-#include "acus/window/undo.h"
+#include "acus/window/session_operation.h"
 
 namespace acus::window {
 namespace {
-
-using translation::Translated;
-
-constexpr std::int64_t kNoticeNs = 4'000'000'000;
 
 /// The loop of the window.
 class Loop {
@@ -26,35 +20,27 @@ class Loop {
       : session_(session),
         window_(window),
         settings_(settings),
-        frames_(session, settings.trial, settings.caption) {
-    abilities_ = {.breath_can_be_held = session.breath_can_be_held(),
-                  .has_both_tools = session.has_needle() && session.has_probe(),
-                  .has_probe = session.scene().probe.has_value(),
-                  .has_exercise_target = session.exercise() != nullptr &&
-                                         session.exercise()->target_in_ct_mm().has_value(),
-                  .has_syringe = session.scene().plan.Needs(effects::ports::kPlungerForce)};
-  }
+        frames_(session, settings.trial, settings.caption),
+        operation_(session) {}
 
   /// False when the user has ended the session.
   bool Turn() {
-    const std::int64_t now_ns = MonotonicNs();
-    const double dt_s = last_ns_ == 0 ? 0.0 : 1e-9 * static_cast<double>(now_ns - last_ns_);
-    last_ns_ = now_ns;
+    const double now_s = 1e-9 * static_cast<double>(MonotonicNs());
     session_.images().Refresh();
     const live::LiveImage& image = session_.images().Front();
     const camera::CameraTracker* tracker = session_.video();
     const auto video = tracker == nullptr ? nullptr : tracker->Latest();
     if (image.number > 0) {
-      if (now_ns > notice_until_ns_) frames_.SetNotice("");
-      const DisplayFrame& frame = frames_.Make(image, video.get(), !steers_needle_);
+      frames_.SetNotice(operation_.NoticeAt(now_s));
+      const DisplayFrame& frame = frames_.Make(image, video.get(), operation_.steers_probe());
       tip_to_target_mm_ = frame.tip_to_target_mm;
       window_.Show(frame);
       if (num_shown_++ == 0) first_shown_ns_ = MonotonicNs();
       last_shown_ns_ = MonotonicNs();
     }
     window_.HandleEvents();
-    if (!Obey(image, now_ns)) return false;
-    Move(dt_s);
+    if (!operation_.Obey(window_.TakeCommands(), image, now_s)) return false;
+    operation_.Move(window_.TakeHandInput(), tip_to_target_mm_, now_s);
     return !window_.closed();
   }
 
@@ -69,62 +55,12 @@ class Loop {
   }
 
  private:
-  bool Obey(const live::LiveImage& image, std::int64_t now_ns) {
-    ImageSetting shown;
-    const auto& probe = session_.scene().probe;  // Until there is an image.
-    if (probe) shown = {probe->gain_db, probe->depth_mm};
-    if (image.probe) shown = {image.probe->gain_db, image.probe->depth_mm};
-    const double now_s = 1e-9 * static_cast<double>(now_ns);
-    ordered_.Refresh(image.snapshot, shown, now_s);
-    for (const Command command : window_.TakeCommands()) {
-      if (command == Command::kQuit) return false;
-      if (command == Command::kSteerOther) steers_needle_ = !steers_needle_;
-      if (command == Command::kUndo && !History().TakeBack()) {
-        frames_.SetNotice(Translated("There is no movement to take back."));
-        notice_until_ns_ = now_ns + kNoticeNs;
-      }
-      if (std::string why = WhyWithoutEffect(command, abilities_); !why.empty()) {
-        frames_.SetNotice(std::move(why));
-        notice_until_ns_ = now_ns + kNoticeNs;
-        continue;
-      }
-      const auto order = OrderOf(command, ordered_.snapshot(), ordered_.image());
-      if (!order) continue;
-      session_.commands().Give(order->kind, order->value);
-      ordered_.Add(*order, now_s);
-    }
-    return true;
-  }
-
-  void Move(double dt_s) {
-    const HandInput input = window_.TakeHandInput();
-    if (input.pedal) session_.HoldPedal();
-    const live::HeldTool held = session_.HeldBy(steers_needle_);
-    if (held.hand == nullptr) return;
-    MovementHistory& history = History();
-    const bool moves = !WayOf(input, held.hand->goal() * held.handle_from_tool, dt_s).IsZero();
-    history.Note(held.hand->goal(), moves, 1e-9 * static_cast<double>(last_ns_));
-    if (const ToolWay back = history.WayBack(held.hand->goal(), dt_s); !back.IsZero()) {
-      return held.hand->Nudge(back.way_mm, back.turn_rad);
-    }
-    Steer(held.hand.get(), held.handle_from_tool, input, dt_s, held.may_advance,
-          steers_needle_ ? SpeedShare(tip_to_target_mm_) : 1.0);
-  }
-
-  MovementHistory& History() { return steers_needle_ ? of_needle_ : of_probe_; }
-
   live::LiveSession& session_;
   SessionWindows& window_;
   const ConsoleSettings& settings_;
   FrameMaker frames_;
-  OrderedSettings ordered_;
-  SessionAbilities abilities_;
-  std::int64_t notice_until_ns_ = 0;
-  bool steers_needle_ = true;
-  MovementHistory of_needle_;
-  MovementHistory of_probe_;
+  SessionOperation operation_;
   std::optional<double> tip_to_target_mm_;
-  std::int64_t last_ns_ = 0;
   std::int64_t num_shown_ = 0;
   std::int64_t first_shown_ns_ = 0;
   std::int64_t last_shown_ns_ = 0;

@@ -41,13 +41,17 @@ void AddFailedSteps(const ExerciseOnDisplay& exercise, std::vector<StatusLine>& 
 /// The next step of the exercise as a sentence; empty if there is none.
 std::string NextStepText(const ExerciseOnDisplay& exercise) {
   if (exercise.next_step) {
-    return Translated("Next: {1}.", {Translated(exercise.steps[*exercise.next_step].text)});
+    const std::string next =
+        Translated("Next: {1}.", {Translated(exercise.steps[*exercise.next_step].text)});
+    return exercise.how.empty() ? next : next + ' ' + exercise.how;
   }
   const auto is_done = [](const ExerciseOnDisplay::Step& step) {
     return step.state == training::StepState::kDone;
   };
-  const bool all = !exercise.steps.empty() && std::ranges::all_of(exercise.steps, is_done);
-  return all ? Translated("All steps are done: press Q twice to end the session.") : "";
+  if (exercise.steps.empty()) return "";
+  return std::ranges::all_of(exercise.steps, is_done)
+             ? Translated("All steps are done: press Q twice to end the session.")
+             : Translated("No step remains: press Q twice to end the session.");
 }
 
 /// What to do now: remove the first obstacle, otherwise the next step of the exercise.
@@ -63,25 +67,27 @@ void DrawLines(const DisplayFrame& frame, const ViewChoice& choice, const Rectan
   const std::string advice = AdviceOf(frame);
   const bool is_calm = std::ranges::none_of(
       lines, [](const StatusLine& line) { return line.severity >= Severity::kWarning; });
-  const int step = sketch.TextHeight(sizes.normal_px) + 7;
+  const int step = sketch.TextHeight(sizes.normal_px) + Scaled(7, sizes);
+  const int text_left = place.left + Scaled(30, sizes);
   int row = place.top + 10;
   for (const StatusLine& line : lines) {
     if (row + step > place.top + place.height) break;
     const Colour colour = ColourOf(line.severity);
     const double half = 0.5 * sketch.TextHeight(sizes.normal_px);
-    DrawMark(line.severity, {place.left + 16.0, row + half}, 0.75 * half, sketch);
+    DrawMark(line.severity, {place.left + 16.0 * MarkScale(sizes), row + half}, 0.75 * half,
+             sketch);
     const bool stands_out = line.severity >= Severity::kWarning;
     const TextStyle style{.size_px = sizes.normal_px,
                           .colour = stands_out            ? colour
                                     : line.text == advice ? palette::kNeedle
                                                           : palette::kText,
                           .bold = is_calm && line.text == advice};
-    const int room = place.width - 40;
+    const int room = place.width - Scaled(40, sizes);
     const auto pieces =
         Wrapped(line.text, sizes.normal_px, room - room / 12, sketch);  // Bold is wider.
     for (const std::string& piece : pieces) {
       if (row + step > place.top + place.height) break;
-      sketch.Text(StatusBarCorner(place.left + 30, row), piece, style, room);
+      sketch.Text(StatusBarCorner(text_left, row), piece, style, room);
       row += step - (&piece == &pieces.back() ? 0 : 4);
     }
   }
@@ -100,7 +106,7 @@ void DrawForce(std::string_view name, const std::optional<double>& force_n, doub
   const Rectangle bar{.left = place.left,
                       .top = place.top + sketch.TextHeight(sizes.small_px) + 3,
                       .width = place.width,
-                      .height = 6};
+                      .height = Scaled(6, sizes)};
   sketch.Fill(bar, palette::kRule);
   if (!known || !(limit_n > 0.0)) return;
   const double share = std::clamp(*force_n / limit_n, 0.0, 1.0);
@@ -128,11 +134,13 @@ void DrawDistance(const DisplayFrame& frame, const Rectangle& place, const TextS
 }
 
 std::string VolumeText(const VolumeReadout& volume) {
-  if (volume.whole) return "all pixels";
+  if (volume.whole) return Translated("all pixels");
   std::string text = volume.per_s > 0.0 ? Digits(volume.per_s, volume.per_s < 2.0 ? 1 : 0) : "-";
   text += " /s";
-  if (!volume.rays_on.empty()) text += ", card";
-  if (volume.dropped > 0) text += ", " + std::to_string(volume.dropped) + " dropped";
+  if (!volume.rays_on.empty()) text += ", " + Translated("card");
+  if (volume.dropped > 0) {
+    text += ", " + Translated("{1} dropped", {std::to_string(volume.dropped)});
+  }
   return text;
 }
 
@@ -178,14 +186,19 @@ void DrawFigures(const DisplayFrame& frame, const std::optional<VolumeReadout>& 
   const auto known = [](double value, int digits, const char* unit) {
     return value > 0.0 && std::isfinite(value) ? Digits(value, digits) + unit : std::string("-");
   };
-  rows.Add("Device to force", known(latency.device_to_force_ms, 2, " ms"));
-  rows.Add("Tracker to image", known(latency.tracker_to_image_ms, 0, " ms"));
+  rows.Add(Translated("Device to force"), known(latency.device_to_force_ms, 2, " ms"));
+  rows.Add(Translated("Tracker to image"), known(latency.tracker_to_image_ms, 0, " ms"));
   const bool slow = latency.images_per_s > 0.0 && latency.images_per_s < kSlowImagesPerS;
   std::string images = known(latency.images_per_s, 0, " /s");
-  if (latency.late_images > 0) images += ", " + std::to_string(latency.late_images) + " late";
-  rows.Add("Images", images, slow ? palette::kWarning : palette::kText);
-  if (frame.video) rows.Add("Camera", std::to_string(latency.dropped_of_camera) + " dropped");
-  if (volume) rows.Add("Volume", VolumeText(*volume));
+  if (latency.late_images > 0) {
+    images += ", " + Translated("{1} late", {std::to_string(latency.late_images)});
+  }
+  rows.Add(Translated("Images"), images, slow ? palette::kWarning : palette::kText);
+  if (frame.video) {
+    rows.Add(Translated("Camera"),
+             Translated("{1} dropped", {std::to_string(latency.dropped_of_camera)}));
+  }
+  if (volume) rows.Add(Translated("Volume"), VolumeText(*volume));
 }
 
 }  // namespace
@@ -236,7 +249,7 @@ void DrawStatusBar(const DisplayFrame& frame, const ViewChoice& choice,
   part.width = middle_width;
   DrawForce(Translated("Needle"), frame.force.needle_n, frame.force.limit_n, choice.figures, part,
             sizes, sketch);
-  part.top += sketch.TextHeight(sizes.small_px) + 16;
+  part.top += sketch.TextHeight(sizes.small_px) + Scaled(16, sizes);
   if (frame.force.plunger_n) {
     DrawForce(Translated("Plunger (I)"), frame.force.plunger_n, kMostThumbN, choice.figures, part,
               sizes, sketch);

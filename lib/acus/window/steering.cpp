@@ -15,6 +15,9 @@ constexpr double kOrbitRadPerPx = 0.005;
 constexpr double kMmPerWheelStep = 1.0;
 constexpr double kZoomPerWheelStep = 1.1;
 constexpr double kFineShare = 0.1;
+/// A key moves the tool by this at once, however briefly it is pressed: a slow window sees the
+/// press and the release at the same time.
+constexpr double kMmPerPress = 0.5;
 constexpr double kOverlayStep = 0.1;
 constexpr double kOpacityStep = 0.1;
 constexpr double kCutStepMm = 5.0;
@@ -81,6 +84,7 @@ void Steering::KeyDown(const InputEvent& event, std::span<const ViewKind> shown)
   }
   if (repeated) return;
   if (event.key == "Shift_L" || event.key == "Shift_R") return;
+  if (PressesTool(event)) return;
   choice_.quit_asked = false;
   if (event.key == "Tab" || event.key == "ISO_Left_Tab") {
     choice_.steers_probe = !choice_.steers_probe;
@@ -175,6 +179,22 @@ bool Steering::VolumeLetter(char letter, bool shift) {
     default:
       return false;
   }
+}
+
+/// True if the key moves the tool.
+bool Steering::PressesTool(const InputEvent& event) {
+  const double way_mm = kMmPerPress * (event.shift ? kFineShare : 1.0);
+  if (event.key == "Right" || event.key == "Left") {
+    hand_.moved_mm.x() += event.key == "Right" ? way_mm : -way_mm;
+  } else if (event.key == "Up" || event.key == "Down") {
+    hand_.moved_mm.y() += event.key == "Up" ? way_mm : -way_mm;
+  } else if (event.key == "Next" || event.key == "Prior") {
+    hand_.advanced_mm += event.key == "Next" ? way_mm : -way_mm;
+  } else {
+    return false;
+  }
+  choice_.quit_asked = false;
+  return true;
 }
 
 void Steering::ChangeOverlay(double by, Command command) {

@@ -76,6 +76,7 @@ class Steering {
   void NextView(std::span<const ViewKind> shown);
   void Quit();
   bool VolumeLetter(char letter, bool shift);
+  bool PressesTool(const InputEvent& event);
   void ChangeOverlay(double by, Command command);
   bool Holds(const char* key) const { return held_keys_.contains(key); }
 

@@ -3,23 +3,27 @@
 #include <algorithm>
 #include <cmath>
 
+#include "acus/base/translation/translation.h"
 #include "acus/window/overlay.h"
 
 namespace acus::window {
 namespace {
 
-std::string_view NameOfCut(VolumeCut cut) {
+using translation::Marked;
+using translation::Translated;
+
+const char* NameOfCut(VolumeCut cut) {
   switch (cut) {
     case VolumeCut::kNone:
       return "";
     case VolumeCut::kAxial:
-      return "axial cut";
+      return Marked("axial cut");
     case VolumeCut::kCoronal:
-      return "coronal cut";
+      return Marked("coronal cut");
     case VolumeCut::kSagittal:
-      return "sagittal cut";
+      return Marked("sagittal cut");
     case VolumeCut::kFacing:
-      return "cut across the line of sight";
+      return Marked("cut across the line of sight");
   }
   return "";
 }
@@ -96,14 +100,13 @@ std::string VolumeView::TitleDetail(const VolumeChoice& choice) const {
   if (looks_.empty()) return "";
   const std::string trouble = renderer_ ? renderer_->trouble() : "";
   if (!trouble.empty()) return trouble;
-  std::string text = looks_[static_cast<std::size_t>(choice.look) % looks_.size()].name;
+  std::string text = Translated(looks_[static_cast<std::size_t>(choice.look) % looks_.size()].name);
   if (choice.opacity < 1.0) {
     text += ' ' + std::to_string(static_cast<int>(std::lround(100.0 * choice.opacity))) + " %";
   }
-  const std::string_view cut = NameOfCut(choice.cut);
-  if (!cut.empty()) text.append(", ").append(cut);
+  if (choice.cut != VolumeCut::kNone) text += ", " + Translated(NameOfCut(choice.cut));
   const std::string card = renderer_ ? renderer_->statistics().card_trouble : "";
-  if (!card.empty()) text.append("; on the processor: ").append(card);
+  if (!card.empty()) text += "; " + Translated("on the processor: {1}", {card});
   return text;
 }
 

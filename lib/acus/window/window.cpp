@@ -252,7 +252,7 @@ struct Window::Content {
               seen.pose_valid ? "CT " + std::to_string(percent) + " %"
                               : Translated("patient's marker not seen"),
               place, sizes, sketch);
-    DrawVideoMarks(frame, fit, sketch);
+    DrawVideoMarks(frame, fit, sizes, sketch);
   }
 
   void DrawUltrasound(const DisplayFrame& frame, const TextSizes& sizes) {
@@ -272,7 +272,7 @@ struct Window::Content {
     if (!has_plane) plane.place = Fit(room, frame.ct_slice.width, frame.ct_slice.height);
     images.Show(ViewKind::kCtSlice, frame.ct_slice, plane.place);
     DrawTitle(Translated(TitleOf(ViewKind::kCtSlice)), "", place, sizes, sketch);
-    if (has_plane && frame.ct_from_probe) DrawSliceMarks(frame, plane, sketch);
+    if (has_plane && frame.ct_from_probe) DrawSliceMarks(frame, plane, sizes, sketch);
   }
 
   void DrawEffect(ViewKind kind, const simulation::EffectImage& effect, const TextSizes& sizes) {
@@ -304,19 +304,20 @@ struct Window::Content {
     return wanted == Stereo::kShutter && !screen.has_shutter() ? Stereo::kSideBySide : wanted;
   }
 
-  const char* StereoText() const {
+  std::string StereoText() const {
     switch (steering.choice().stereo) {
       case Stereo::kOff:
         return "";
       case Stereo::kSideBySide:
-        return "side by side";
+        return Translated("side by side");
       case Stereo::kRedCyan:
-        return "red-cyan glasses";
+        return Translated("red-cyan glasses");
       case Stereo::kShutter:
         break;
     }
-    return screen.has_shutter() ? "shutter glasses"
-                                : "side by side: the driver has no stereo for shutter glasses";
+    return screen.has_shutter()
+               ? Translated("shutter glasses")
+               : Translated("side by side: the driver has no stereo for shutter glasses");
   }
 
   void DrawVolume(const DisplayFrame& frame, const TextSizes& sizes) {

@@ -72,5 +72,79 @@ TEST(Coach, NamesMovementsForARealHandAndKeysInTheDevicesFrame) {
   EXPECT_EQ(KeyTowards(tool, Eigen::Vector3d::UnitZ()), "Page Down");
 }
 
+TEST(Coach, AimsTheNeedleAtTheTargetBeforeItIsInserted) {
+  CoachView view = InOrder();
+  view.needle = {.is_virtual = true, .is_selected = true, .along_in_ct = Eigen::Vector3d::UnitY()};
+  view.tip_to_target_in_ct_mm = Eigen::Vector3d(-6.0, 40.0, 0.0);
+  EXPECT_EQ(CoachLine(view), "The needle's line misses the target by 6 mm: Left moves it there.");
+  view.needle.is_selected = false;
+  EXPECT_EQ(CoachLine(view),
+            "The needle's line misses the target by 6 mm: Tab selects the needle, Left moves it "
+            "there.");
+  view.needle.is_virtual = false;
+  EXPECT_EQ(CoachLine(view),
+            "The needle's line misses the target by 6 mm: shift or turn the needle.");
+  // Across the image plane, the tip is where the plane requires it.
+  view.tip_to_target_in_ct_mm = Eigen::Vector3d(1.0, 40.0, 5.0);
+  EXPECT_EQ(CoachLine(view), "");
+  view.wants_plane = false;
+  EXPECT_NE(CoachLine(view), "");
+  view.tip_to_target_in_ct_mm.reset();  // An exercise without a target.
+  EXPECT_EQ(CoachLine(view), "");
+}
+
+TEST(Coach, WithdrawsANeedleThatMissesOrHasPassedTheTarget) {
+  CoachView view = InOrder();
+  view.needle = {.is_virtual = true, .is_selected = true, .along_in_ct = Eigen::Vector3d::UnitY()};
+  view.now.needle_in_tissue = true;
+  view.tip_to_target_in_ct_mm = Eigen::Vector3d(4.0, 40.0, 0.0);
+  EXPECT_EQ(CoachLine(view), "") << "within one and a half radii";
+  view.tip_to_target_in_ct_mm = Eigen::Vector3d(7.0, 40.0, 0.0);
+  EXPECT_EQ(CoachLine(view),
+            "The needle's line misses the target by 7 mm: Page Up withdraws the needle.");
+  view.tip_to_target_in_ct_mm = Eigen::Vector3d(1.0, -8.0, 0.0);
+  EXPECT_EQ(CoachLine(view), "The tip is 8 mm beyond the target: Page Up withdraws the needle.");
+  view.now.target_reached = true;
+  EXPECT_EQ(CoachLine(view), "");
+}
+
+TEST(Coach, DrawsAProbeBackThatIsDeepInThePatient) {
+  CoachView view = InOrder();
+  view.probe_depth_mm = 10.0;  // Tissue that it presses in.
+  EXPECT_EQ(CoachLine(view), "");
+  view.probe_depth_mm = 24.0;
+  EXPECT_EQ(CoachLine(view), "The probe is 24 mm below the skin: Down moves it there.");
+}
+
+TEST(HowTo, NamesTheKeyOfEachStepThatNeedsAMovement) {
+  using training::StepCondition;
+  CoachView view = InOrder();
+  view.needle.is_selected = true;
+  EXPECT_EQ(HowTo(view), "") << "no step";
+  const auto how = [&](StepCondition next) {
+    view.next = next;
+    return HowTo(view);
+  };
+  for (const auto seen : {StepCondition::kProbeOnSkin, StepCondition::kTargetInView,
+                          StepCondition::kNeedleInPlane, StepCondition::kNeedleSeen}) {
+    EXPECT_EQ(how(seen), "");
+  }
+  for (const auto reached : {StepCondition::kNeedleAtSkin, StepCondition::kNeedleInTissue,
+                             StepCondition::kStructuresSpared, StepCondition::kTargetReached,
+                             StepCondition::kNeedleJiggled}) {
+    EXPECT_EQ(how(reached), "Page Down advances the needle.");
+  }
+  EXPECT_EQ(how(StepCondition::kNeedleWithdrawn), "Page Up withdraws the needle.");
+  EXPECT_EQ(how(StepCondition::kBreathHeld), "B holds the breath.");
+  view.breath_held = true;
+  EXPECT_EQ(how(StepCondition::kPositionChecked), "");
+  view.now.needle_in_tissue = view.now.target_reached = true;
+  EXPECT_EQ(how(StepCondition::kTargetReached), "Hold the needle still.");
+  EXPECT_EQ(how(StepCondition::kNeedleJiggled), "Page Down and Page Up, in turn, jiggle it.");
+  view.needle = {};
+  view.now.target_reached = false;
+  EXPECT_EQ(how(StepCondition::kTargetReached), "Advance the needle.");
+}
+
 }  // namespace
 }  // namespace acus::window

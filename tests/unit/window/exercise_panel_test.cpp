@@ -51,7 +51,9 @@ TEST(LinesToShow, NothingIsWellBesideAFailedStep) {
   frame.exercise.emplace();
   frame.exercise->steps = {{"Place the probe", StepState::kDone},
                            {"Spare bone", StepState::kFailed}};
-  EXPECT_THAT(TextsOf(LinesToShow(frame, {})), testing::ElementsAre("Failed: Spare bone."));
+  EXPECT_THAT(TextsOf(LinesToShow(frame, {})),
+              testing::ElementsAre("Failed: Spare bone.",
+                                   "No step remains: press Q twice to end the session."));
 }
 
 TEST(LinesToShow, DangerComesBeforeAdvice) {
@@ -73,11 +75,18 @@ TEST(LinesToShow, WhatToDoNowIsTheNextStepWhereNothingIsInTheWay) {
                            {"Puncture the skin", StepState::kOpen}};
   frame.exercise->next_step = 1;
   EXPECT_THAT(TextsOf(LinesToShow(frame, {})), testing::ElementsAre("Next: Puncture the skin."));
+  frame.exercise->how = "Page Down advances the needle.";
+  EXPECT_THAT(TextsOf(LinesToShow(frame, {})),
+              testing::ElementsAre("Next: Puncture the skin. Page Down advances the needle."));
   frame.coach = "Slide the probe.";
   EXPECT_THAT(TextsOf(LinesToShow(frame, {})), testing::ElementsAre("Slide the probe."));
   frame.coach.clear();
-  frame.exercise->steps[1].state = StepState::kDone;
   frame.exercise->next_step.reset();
+  frame.exercise->steps[1].state = StepState::kFailed;
+  EXPECT_THAT(TextsOf(LinesToShow(frame, {})),
+              testing::ElementsAre("Failed: Puncture the skin.",
+                                   "No step remains: press Q twice to end the session."));
+  frame.exercise->steps[1].state = StepState::kDone;
   EXPECT_THAT(TextsOf(LinesToShow(frame, {})),
               testing::ElementsAre("All steps are done: press Q twice to end the session."));
 }

@@ -128,11 +128,26 @@ TEST_F(MarksTest, TheTipOfABentNeedleIsTheFirstPointOfItsShape) {
   frame_.needle->tip_in_ct_mm = {0.0, 10.0, 0.0};
   frame_.needle->shape.Add({5.0, 30.0, 0.0});
   frame_.needle->shape.Add({5.0, -20.0, 0.0});
-  DrawSliceMarks(frame_, plane_, sketch_);
+  DrawSliceMarks(frame_, plane_, SizesFor(800), sketch_);
   const Eigen::Vector3d tip = plane_.At({5.0, 30.0, 0.0});
   const Eigen::Array4d extent = Extent();
   EXPECT_NEAR(0.5 * (extent[0] + extent[1]), tip[0], 0.5);
   EXPECT_NEAR(0.5 * (extent[2] + extent[3]), tip[1], 0.5);
+}
+
+TEST_F(MarksTest, MarksGrowWithTheWindowAsItsTextDoes) {
+  frame_.needle.reset();
+  frame_.target_in_ct_mm = Eigen::Vector3d(0.0, 20.0, 0.0);
+  const auto width = [&](int window_height_px) {
+    sketch_.Clear();
+    DrawSliceMarks(frame_, plane_, SizesFor(window_height_px), sketch_);
+    const Eigen::Array4d extent = Extent();
+    return extent[1] - extent[0];
+  };
+  constexpr double kRimPx = 2.0;  // Of a line's smooth edges, in windows of every size.
+  EXPECT_NEAR(width(2160) - kRimPx, 2.7 * (width(800) - kRimPx), 1.0);
+  EXPECT_EQ(Scaled(14, SizesFor(800)), 14);
+  EXPECT_EQ(Scaled(14, SizesFor(2160)), 38);
 }
 
 }  // namespace

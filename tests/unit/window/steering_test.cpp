@@ -190,6 +190,29 @@ TEST_F(SteeringTest, HeldKeysAreReportedUntilReleased) {
   EXPECT_EQ(steering_.TakeHandInput().held[1], 0.0);
 }
 
+TEST_F(SteeringTest, AKeyMovesTheToolHoweverBrieflyItIsPressed) {
+  Key("Left");
+  Key("Up");
+  Key("Next");
+  HandInput hand = steering_.TakeHandInput();
+  EXPECT_EQ(hand.held, Eigen::Vector2d::Zero()) << "released already";
+  EXPECT_EQ(hand.moved_mm, Eigen::Vector3d(-0.5, 0.5, 0.0));
+  EXPECT_EQ(hand.advanced_mm, 0.5);
+  Key("Prior", true);
+  hand = steering_.TakeHandInput();
+  EXPECT_DOUBLE_EQ(hand.advanced_mm, -0.05) << "a tenth with Shift";
+  // The X server repeats a held key.
+  for (int i = 0; i < 5; ++i) {
+    Send({.kind = Kind::kKeyDown,
+          .key = "Right",
+          .button = 0,
+          .column = 0,
+          .row = 0,
+          .shift = false});
+  }
+  EXPECT_EQ(steering_.TakeHandInput().moved_mm.x(), 0.5);
+}
+
 TEST_F(SteeringTest, ClosingTheWindowIsToQuit) {
   Mouse(Kind::kClose, 0, 0, 0);
   EXPECT_TRUE(steering_.closed());

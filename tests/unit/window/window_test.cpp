@@ -9,6 +9,7 @@
 
 #include "acus/base/core/error.h"
 #include "acus/window/loading_screen.h"
+#include "acus/window/marks.h"
 #include "acus/window/screen.h"
 #include "support/stereo_visuals.h"
 #include "support/window_events.h"
@@ -228,9 +229,18 @@ TEST_F(WindowTest, FaultsAreRedInTheBarAndFrozenImagesAreMarked) {
   const auto is_amber = [](int r, int g, int b) {
     return r > 180 && g > 120 && g < 200 && b < 110;
   };
+  const acoustics::Probe& probe = *frame.ultrasound.probe;
+  const image::ImageGeometry geometry = acoustics::ImageOf(probe);
+  Rectangle inside = Fit(ImageRoom(ViewKind::kUltrasound, ultrasound, SizesFor(800)),
+                         geometry.width_px * geometry.lateral_mm_per_px,
+                         geometry.height_px * geometry.axial_mm_per_px);
+  inside = {inside.left + 3, inside.top + 3, inside.width - 6, inside.height - 6};
   const int before = ShotOf(window, frame).Count(ultrasound, is_amber);
+  const int inside_before = ShotOf(window, frame).Count(inside, is_amber);
   frame.ultrasound.frozen = true;
   EXPECT_GT(ShotOf(window, frame).Count(ultrasound, is_amber), before + 800);
+  EXPECT_EQ(ShotOf(window, frame).Count(inside, is_amber), inside_before)
+      << "nothing is printed over the image";
 }
 
 TEST_F(WindowTest, ToolsThrowShadowsOnTheSkin) {

@@ -111,7 +111,8 @@ void LiveCore::Obey(const CommandQueue::Order& order) noexcept {
   switch (order.kind) {
     case CommandKind::kHoldBreath:
     case CommandKind::kBreatheOn:
-      if (breath_) breath_->Hold(order.kind == CommandKind::kHoldBreath);
+      breath_held_ = order.kind == CommandKind::kHoldBreath;
+      if (breath_) breath_->Hold(breath_held_);
       break;
     case CommandKind::kFreezeImage:
     case CommandKind::kRunImage:
@@ -307,7 +308,7 @@ void LiveCore::Show(const DeviceForce& on_needle, const DeviceForce& on_probe) n
   out.needle_force_n = on_needle.force_n.norm();
   out.probe_force_n = on_probe.force_n.norm();
   out.breath = record_.breath;
-  out.breath_held = breath_ && breath_->holds();
+  out.breath_held = breath_ ? breath_->holds() : breath_held_;
   out.frozen = frozen_;
   out.hands_swapped = hands_swapped_;
   out.forces_paused = forces_paused_;

@@ -157,6 +157,7 @@ class LiveCore {
   std::optional<double> depth_mm_;
   double plunger_n_ = 0.0;
   bool frozen_ = false;
+  bool breath_held_ = false;  ///< As ordered, of a patient whose breath does not move tissue too.
   bool forces_paused_ = false;
   std::optional<Eigen::Vector3d> target_in_ct_mm_;
 };

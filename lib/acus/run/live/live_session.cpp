@@ -1,6 +1,7 @@
 #include "acus/run/live/live_session.h"
 
 #include <chrono>
+#include <cmath>
 #include <ranges>
 #include <set>
 #include <thread>
@@ -362,12 +363,19 @@ void LiveSession::SendFollowedCommands() {
   }
 }
 
-void LiveSession::RunInVirtualTime() {
+void LiveSession::RunInVirtualTime(const Look& look) {
   constexpr int kStepsBetweenLooks = 256;
   ACUS_REQUIRE(options_.duration_s > 0.0 || followed_s_ > 0.0,
                "--virtual-time: give --duration, or --hand with a session to follow");
   Start();
   const auto period_ns = static_cast<std::int64_t>(1e9 / core_settings_.rate_hz);
+  const auto steps_between_acts = std::llround(kLookS * core_settings_.rate_hz);
+  const auto ends = [&](std::int64_t step) {
+    if (!look || step == 0 || step % steps_between_acts != 0) return false;
+    recorder_->CatchUp();
+    core_->snapshots().Refresh();
+    return !look(core_->snapshots().Front());
+  };
   const auto is_busy = [this] {
     return recorder_->status().steps_waiting >
            static_cast<std::int64_t>(options_.recorder.ring_steps / 2);
@@ -378,6 +386,7 @@ void LiveSession::RunInVirtualTime() {
     for (haptics::VirtualHandDriver* hand : stepped_ | std::views::reverse) hand->Step(time_ns);
     SendFollowedCommands();
     if (IsTimeUp()) end_ = SessionEnd::kDuration;
+    if (ends(step)) end_ = SessionEnd::kStopped;
     if (step % kStepsBetweenLooks != 0) continue;
     if (context_.stop != nullptr && context_.stop->load(std::memory_order_relaxed)) {
       end_ = SessionEnd::kStopped;
@@ -449,6 +458,15 @@ ForceLimits LiveSession::force_limits() const {
   };
   return {.needle_n = limit(devices_.haptics.needle, true),
           .probe_n = limit(devices_.haptics.probe, false)};
+}
+
+bool LiveSession::breath_can_be_held() const {
+  using training::StepCondition;
+  const auto is_held_in = [](const training::ChecklistStep& step) {
+    return step.when == StepCondition::kBreathHeld || step.when == StepCondition::kPositionChecked;
+  };
+  return partner_.has_value() ||
+         (exercise_ && std::ranges::any_of(exercise_->exercise().checklist.steps, is_held_in));
 }
 
 void LiveSession::HoldPedal() {

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
@@ -107,8 +108,14 @@ class LiveSession {
   /// @throws InputError; then nothing runs and motors are off.
   void Start();
 
+  /// Called every kLookS of session time; false ends the session.
+  using Look = std::function<bool(const LiveSnapshot&)>;
+  static constexpr double kLookS = 0.05;
+
   /// All of a session in virtual time, in place of Start() and Poll(). @pre the option was set.
-  void RunInVirtualTime();
+  /// @param look  A user who watches the session and acts; may be empty. What the exercise shows is
+  ///     then that of the newest step: the same actions give the same session on every computer.
+  void RunInVirtualTime(const Look& look = {});
   bool in_virtual_time() const { return options_.virtual_time; }
 
   /// False when the session is over: its time is up, it was stopped, or the device that runs the
@@ -132,8 +139,8 @@ class LiveSession {
   ForceLimits force_limits() const;
   /// Null if there is none.
   const LiveExercise* exercise() const { return exercise_ ? &*exercise_ : nullptr; }
-  /// Whether a command holds the patient's breath.
-  bool breath_can_be_held() const { return partner_.has_value(); }
+  /// A command holds the patient's breath, or the exercise has a step for that command.
+  bool breath_can_be_held() const;
   bool has_needle() const { return devices_.has_needle(); }
   bool has_probe() const { return devices_.has_probe(); }
   /// A device gives no force because its dead-man switch is open.

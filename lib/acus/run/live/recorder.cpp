@@ -12,6 +12,7 @@
 #include "acus/base/core/monotonic_time.h"
 #include "acus/base/core/sync_folder.h"
 #include "acus/base/core/text_table.h"
+#include "acus/base/translation/translation.h"
 #include "acus/data/session/pose_csv.h"
 #include "acus/run/replay/force_rows.h"
 
@@ -68,13 +69,17 @@ FolderLock MakeFolder(const fs::path& folder, bool overwrite, bool& made) {
 }
 
 std::string TroubleText(int error, const fs::path& folder, double waiting_s, bool memory_is_full) {
+  using translation::Translated;
   const std::string cause =
-      error == ENOSPC ? "the disk is full" : Message("writing fails: ", std::strerror(error));
+      error == ENOSPC ? Translated("Recording: the disk is full.")
+                      : Translated("Recording: writing fails: {1}.", {std::strerror(error)});
   const std::string kept =
       memory_is_full
-          ? "Memory for it is full as well: the session continues, but is no longer recorded"
-          : Message("The last ", RoundedText(waiting_s, 3), " s are kept in memory");
-  return Message("Recording: ", cause, ". ", kept, ". Make room for ", folder.string(), ".");
+          ? Translated(
+                "Memory for it is full as well: the session continues, but is no longer "
+                "recorded.")
+          : Translated("The last {1} s are kept in memory.", {RoundedText(waiting_s, 3)});
+  return cause + ' ' + kept + ' ' + Translated("Make room for {1}.", {folder.string()});
 }
 
 }  // namespace
@@ -146,10 +151,12 @@ void Recorder::Run() noexcept {
   const auto interval = std::chrono::duration<double>(std::clamp(settings_.write_s, 0.001, 0.5));
   bool stop = false;
   while (!stop) {
+    std::int64_t wanted = 0;
     {
       std::unique_lock lock(mutex_);
-      wake_.wait_for(lock, interval, [this] { return stop_; });
+      wake_.wait_for(lock, interval, [this] { return stop_ || wanted_ > served_; });
       stop = stop_;
+      wanted = wanted_;
     }
     try {
       TakeSteps();
@@ -159,8 +166,20 @@ void Recorder::Run() noexcept {
       // No memory for the rows of one record: it is lost, the session continues.
       lost_in_memory_.fetch_add(1, std::memory_order_relaxed);
     }
+    {
+      const std::lock_guard lock(mutex_);
+      served_ = wanted;
+    }
+    caught_up_.notify_all();
     Flush();
   }
+}
+
+void Recorder::CatchUp() {
+  std::unique_lock lock(mutex_);
+  const std::int64_t wanted = ++wanted_;
+  wake_.notify_all();
+  caught_up_.wait(lock, [&] { return served_ >= wanted || stop_; });
 }
 
 template <typename Action>

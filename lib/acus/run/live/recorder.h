@@ -81,6 +81,10 @@ class Recorder {
   /// Called by the real-time thread. Never waits; a record is lost and counted if the ring is full.
   void Push(const StepRecord& record) noexcept;
 
+  /// Returns when all records pushed before are converted to rows and added to the exercise: for
+  /// sessions in virtual time, whose user acts on what the exercise shows. After Start().
+  void CatchUp();
+
   /// Writes the remaining data, so that it survives a power failure, and ends the thread. A second
   /// call has no effect.
   void Close() noexcept;
@@ -143,9 +147,12 @@ class Recorder {
   std::atomic<int> sync_error_{0};  ///< errno of the sync in Close(); 0: no error.
   std::atomic<bool> closed_{false};
 
-  std::mutex mutex_;  ///< Guards stop_; the real-time thread never takes it.
+  std::mutex mutex_;  ///< Guards these; the real-time thread never takes it.
   std::condition_variable wake_;
+  std::condition_variable caught_up_;
   bool stop_ = false;
+  std::int64_t wanted_ = 0;  ///< Number of calls of CatchUp() ...
+  std::int64_t served_ = 0;  ///< ... and of those that have been served.
 };
 
 }  // namespace acus::live

@@ -79,8 +79,14 @@ json ExerciseJson(const LiveExercise& exercise) {
 
 void AddDevice(const haptics::HapticDevice& device, std::vector<StatusLine>& lines) {
   const haptics::DeviceStatus status = device.status();
-  if (status.state == DeviceState::kFailed || status.state == DeviceState::kRecovering) {
-    lines.push_back({Severity::kFault, status.text});
+  if (status.state == DeviceState::kFailed) {
+    lines.push_back({Severity::kFault,
+                     Translated("The device has failed, forces are off: end the session. {1}.",
+                                {status.text})});
+  } else if (status.state == DeviceState::kRecovering) {
+    lines.push_back(
+        {Severity::kFault,
+         Translated("The device is opened again, forces are off. {1}.", {status.text})});
   } else if (status.guard.IsActing(haptics::GuardAct::kDeadManOpen)) {
     lines.push_back({Severity::kNote,
                      Translated("{1}: no force until its switch is held.", {device.info().name})});
@@ -135,8 +141,10 @@ std::vector<StatusLine> LiveSession::Status() const {
     const tracking::SourceStatus status = rig_->trackers()[t]->status();
     if (status.state != tracking::SourceState::kConnected) {
       lines.push_back({Severity::kFault,
-                       Message("Tracker ", rig_->trackers()[t]->name(), ": ",
-                               status.last_error.empty() ? "connecting" : status.last_error)});
+                       Translated("The tracker {1} is not connected: {2}.",
+                                  {rig_->trackers()[t]->name(),
+                                   status.last_error.empty() ? Translated("it does not answer yet")
+                                                             : status.last_error})});
       continue;
     }
     const tracking::PoseBoard& board = rig_->trackers()[t]->board();
@@ -153,9 +161,11 @@ std::vector<StatusLine> LiveSession::Status() const {
   }
   const std::int64_t late = recent_late_steps_.recent();
   if (static_cast<double>(late) > kLateStepsShare * static_cast<double>(recent_steps_.recent())) {
-    lines.push_back({Severity::kWarning, Message(late, " of the last ", recent_steps_.recent(),
-                                                 " steps took longer than the device's period; "
-                                                 "choose cheaper models (acus-tradeoff).")});
+    lines.push_back(
+        {Severity::kWarning,
+         Translated("{1} of the last {2} steps took longer than the device's period; choose "
+                    "cheaper models (acus-tradeoff).",
+                    {std::to_string(late), std::to_string(recent_steps_.recent())})});
   }
   std::ranges::stable_sort(lines, std::ranges::greater(), &StatusLine::severity);
   return lines;

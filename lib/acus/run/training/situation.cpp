@@ -63,4 +63,13 @@ std::optional<double> GapToSkinMm(const transforms::Pose& reference_from_probe,
   return std::nullopt;
 }
 
+double DepthBelowSkinMm(const transforms::Pose& reference_from_probe, const LabelAtPoint& label_at,
+                        double reach_mm) {
+  const Eigen::Vector3d face_mm = reference_from_probe.translation();
+  const Eigen::Vector3d beam = reference_from_probe.linear().col(1);
+  double depth_mm = 0.0;
+  while (depth_mm < reach_mm && label_at(face_mm - depth_mm * beam) != 0) depth_mm += 1.0;
+  return depth_mm;
+}
+
 }  // namespace acus::training

@@ -56,4 +56,9 @@ Situation SituationOf(const session::PoseSample& needle, const session::PoseSamp
 std::optional<double> GapToSkinMm(const transforms::Pose& reference_from_probe,
                                   const LabelAtPoint& label_at, double reach_mm = 150.0);
 
+/// Depth of the centre of the probe's face below the skin, against the beam, in steps of 1 mm; 0
+/// outside tissue, `reach_mm` if it is deeper.
+double DepthBelowSkinMm(const transforms::Pose& reference_from_probe, const LabelAtPoint& label_at,
+                        double reach_mm = 60.0);
+
 }  // namespace acus::training

@@ -260,7 +260,9 @@ TEST_F(Session, OutlivesItsTrackerAndReplaysToTheSameForces) {
   server.Stop();
   sends_ = false;
   PollUntil(session, server, [&] { return !snapshot_.moment.probe_valid; });
-  EXPECT_THAT(session.Status(), Contains(Field(&StatusLine::text, HasSubstr("Tracker tracker: "))));
+  EXPECT_THAT(
+      session.Status(),
+      Contains(Field(&StatusLine::text, HasSubstr("The tracker tracker is not connected: "))));
   server.Start();
   sends_ = true;
   PollUntil(session, server, feels);

@@ -76,5 +76,14 @@ TEST(Situation, FieldsOfFlatAndCurvedProbes) {
   EXPECT_FALSE(curved.Contains(49.0 * std::sin(0.2), 49.0 * std::cos(0.2) - 50.0)) << "the face";
 }
 
+TEST(Situation, TheDepthOfAProbeIsMeasuredAgainstItsBeam) {
+  const auto depth_mm = [](double y_mm) {
+    return DepthBelowSkinMm(At(0.0, y_mm, 0.0).reference_from_tool, TissueBelow);
+  };
+  EXPECT_EQ(depth_mm(-4.0), 0.0);
+  EXPECT_EQ(depth_mm(24.0), 24.0);
+  EXPECT_EQ(depth_mm(90.0), 60.0) << "no deeper is looked for";
+}
+
 }  // namespace
 }  // namespace acus::training
