@@ -207,6 +207,8 @@ def other_cases(w):
     yield points("mni_tag", "MNI Tag Point File\nVolumes = 1;\nPoints =\n 1 2 3 \"a\";\n", [3], ".tag")
     swapped = [(x, y, z, n) for n, x, y, z in frames.TO]
     yield points("name_last", "x_mm,y_mm,z_mm,name\n" + "".join(f"{x},{y},{z},{n}\n" for x, y, z, n in swapped), [0], ".csv")
+    yield points("table_of_tabs", frames.csv(frames.TO, separator="\t"), [0], ".tsv")
+    yield points("table_of_blanks", frames.csv(frames.TO, separator=" "), [0], ".txt")
     document = json.loads(frames.markups(frames.TO, "RAS"))
     document["markups"][0]["coordinateSystem"] = "0"
     yield points("markups_system_as_number", json.dumps(document), [0, 3], ".mrk.json")

@@ -334,8 +334,10 @@ Landmarks ReadLandmarks(const std::filesystem::path& path) {
   if (name.ends_with(".json")) return ReadMarkupsJson(path);
   if (name.ends_with(".fcsv")) return ReadFcsv(path);
   if (name.ends_with(".xml")) return ReadPlusPhantom(path);
-  ACUS_REQUIRE(name.ends_with(".csv"), path.string(),
-               ": is of an unknown kind; landmarks are read from .csv, .mrk.json, .fcsv and .xml");
+  const bool is_table = name.ends_with(".csv") || name.ends_with(".tsv") || name.ends_with(".txt");
+  ACUS_REQUIRE(is_table, path.string(),
+               ": is of an unknown kind; landmarks are read from tables (.csv, .tsv, .txt), "
+               ".mrk.json, .fcsv and .xml");
   return ReadCsv(path);
 }
 

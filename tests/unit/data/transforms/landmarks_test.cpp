@@ -48,6 +48,10 @@ TEST(ReadLandmarks, ReadsCsvWithAndWithoutNames) {
   EXPECT_THAT(named.names, ElementsAre("A", "B"));
   EXPECT_EQ(named.points_mm.col(1), Eigen::Vector3d(-10, 0, 0.5));
   EXPECT_THAT(ReadLandmarks(FileWith("b.csv", "x_mm,y_mm,z_mm\n1,2,3\n")).names, ElementsAre(""));
+  EXPECT_THAT(ReadLandmarks(FileWith("a.tsv", "name\tx_mm\ty_mm\tz_mm\nA\t1\t2\t3\n")).names,
+              ElementsAre("A"));
+  EXPECT_THAT(ReadLandmarks(FileWith("a.txt", "name x_mm y_mm z_mm\nA 1 2 3\n")).names,
+              ElementsAre("A"));
   // A column that is called like one of Slicer's does not make it Slicer's.
   EXPECT_EQ(ReadLandmarks(FileWith("c.csv", "r,s,x_mm,y_mm,z_mm\n7,8,1,2,3\n")).points_mm.col(0),
             Eigen::Vector3d(1, 2, 3));
