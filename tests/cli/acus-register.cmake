@@ -157,3 +157,54 @@ acus_add_cli_case(acus-register.image_background EXIT 3 LEAVES_NOTHING BEFORE "$
   STDERR "muscel.*muscle"
   COMMAND acus-register image frame.pgm --scenario scene.json --start start.txt
           --background muscel -o pose)
+# The calibration that the images were made of, to the digits of the files.
+set(probe_answer "pixel +0\\.08000 x 0\\.08000 mm" "pixel .0, 0. +11\\.000 +50\\.000 +-4\\.000 mm"
+  "640, 480 +0\\.000")
+acus_add_cli_case(acus-register.probe EXIT 0 BEFORE "${register_inputs}"
+  STDOUT ${probe_answer} "images +20" "^b2 +20 +0 +0\\.000" "the wires are taken to be in the frame of the poses"
+  CREATES calibrated/image_to_probe.xml calibrated/probe_from_image.tfm calibrated/registration.json
+          calibrated/residuals.svg calibrated/provenance.json
+  COMMAND acus-register probe wire_points.csv --phantom wires.csv --image-px 640,480 -o calibrated)
+acus_add_cli_case(acus-register.probe_log EXIT 0
+  BEFORE "${register_inputs}\ncut -d, -f1-4 wire_points.csv > points.csv"
+  STDOUT ${probe_answer}
+  COMMAND acus-register probe points.csv --phantom wires.csv --log probe.csv --image-px 640,480 -o calibrated)
+acus_add_cli_case(acus-register.probe_stylus EXIT 0 BEFORE "${register_inputs}"
+  STDOUT ${probe_answer} "^tip +20 +0 +0\\.000"
+  COMMAND acus-register probe tips.csv --image-px 640,480 -o calibrated)
+acus_add_cli_case(acus-register.probe_outlier EXIT 0
+  BEFORE "${register_inputs}\nsed -i 's/^2.5,b2,\\([0-9]*\\)/2.5,b2,7\\1/' wire_points.csv"
+  STDOUT "excluded: 'b2' at 2\\.5 s, [0-9.]+ mm off" "^b2 +20 +1 +0\\.000" "pixel +0\\.08000 x 0\\.08000 mm"
+  COMMAND acus-register probe wire_points.csv --phantom wires.csv -o calibrated)
+acus_add_cli_case(acus-register.probe_too_few EXIT 4 LEAVES_NOTHING
+  BEFORE "${register_inputs}\nhead -82 wire_points.csv > few.csv"
+  STDERR "9 images show the three wires of an N. at least 10 are needed: add images"
+  COMMAND acus-register probe few.csv --phantom wires.csv -o calibrated)
+acus_add_cli_case(acus-register.probe_on_a_line EXIT 4 LEAVES_NOTHING
+  BEFORE "${register_inputs}\nawk -F, -v OFS=, 'NR > 1 { $6 += 0.08 * ($3 - 200) } NR > 1 { $3 = 200 } 1' tips.csv > line.csv"
+  STDERR "the points lie on a line in the image" "add points at other depths"
+  COMMAND acus-register probe line.csv -o calibrated)
+acus_add_cli_case(acus-register.probe_unknown_wire EXIT 3 LEAVES_NOTHING
+  BEFORE "${register_inputs}\nsed -i 's/^1.0,b3/1.0,x3/' wire_points.csv"
+  STDERR "wire_points.csv:27: the phantom has no wire 'x3'. it has 'a1', 'b1'"
+  COMMAND acus-register probe wire_points.csv --phantom wires.csv -o calibrated)
+acus_add_cli_case(acus-register.probe_no_poses EXIT 3 LEAVES_NOTHING
+  BEFORE "${register_inputs}\ncut -d, -f1-4 wire_points.csv > points.csv"
+  STDERR "points.csv: has no poses of the probe's marker. add the columns"
+  COMMAND acus-register probe points.csv --phantom wires.csv -o calibrated)
+acus_add_cli_case(acus-register.probe_other_time EXIT 3 LEAVES_NOTHING
+  BEFORE "${register_inputs}\nsed -i 's/^9.5,/99.5,/' wire_points.csv"
+  STDERR "99.5 s is not in the recording probe.csv, which runs from 0 to 9.5 s"
+  COMMAND acus-register probe wire_points.csv --phantom wires.csv --log probe.csv -o calibrated)
+acus_add_cli_case(acus-register.probe_wrong_wires EXIT 4 LEAVES_NOTHING
+  BEFORE "${register_inputs}\nsed -i -e 's/,a\\([123]\\),/,x\\1,/' -e 's/,c\\([123]\\),/,a\\1,/' -e 's/,x\\([123]\\),/,c\\1,/' wire_points.csv"
+  STDERR "check the names of the wires|do not determine the calibration"
+  COMMAND acus-register probe wire_points.csv --phantom wires.csv -o calibrated)
+acus_add_cli_case(acus-register.probe_phantom_order EXIT 3 LEAVES_NOTHING
+  BEFORE "${register_inputs}\ncat <(sed -n 1p wires.csv) <(sed -n 3p wires.csv) <(sed -n 2p wires.csv) <(sed -n '4,$p' wires.csv) > turned.csv"
+  STDERR "turned.csv: wires 'b1' and 'c1' are 20.5.* deg from parallel"
+  COMMAND acus-register probe wire_points.csv --phantom turned.csv -o calibrated)
+acus_add_cli_case(acus-register.probe_truncated EXIT 3 LEAVES_NOTHING
+  BEFORE "${register_inputs}\nhead -c 700 wire_points.csv > cut.csv"
+  STDERR "cut.csv:[0-9]+: "
+  COMMAND acus-register probe cut.csv --phantom wires.csv -o calibrated)

@@ -114,3 +114,32 @@ for what in ct labels; do
 done
 printf '1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n' > start.txt
 printf '1 0 0 0 0 1 0 900 0 0 1 0 0 0 0 1\n' > far.txt
+# Images of three N of wires, 5 mm apart, from a probe that is moved: 0.08 mm a pixel, whose first
+# pixel is at (11, 50, -4) in the frame of the probe's marker; and a stylus's tip in these images.
+cat > wires.csv <<'CSV'
+pattern,wire,front_x_mm,front_y_mm,front_z_mm,back_x_mm,back_y_mm,back_z_mm
+1,a1,20,0,10,20,40,10
+1,b1,40,0,10,25,40,10
+1,c1,45,0,10,45,40,10
+2,a2,20,0,5,20,40,5
+2,b2,25,0,5,45,40,5
+2,c2,50,0,5,50,40,5
+3,a3,20,0,0,20,40,0
+3,b3,45,0,0,25,40,0
+3,c3,50,0,0,50,40,0
+CSV
+awk -F, 'NR > 1 { name[NR] = $2; front[NR] = $3; back[NR] = $6; z[NR] = $5; last = NR }
+  END { pose = "x_mm,y_mm,z_mm,qw,qx,qy,qz"
+    print "time_s,wire,u_px,v_px," pose > "wire_points.csv"
+    print "time_s,u_px,v_px,tip_x_mm,tip_y_mm,tip_z_mm," pose > "tips.csv"
+    print "time_s,x_mm,y_mm,z_mm,qw,qx,qy,qz,status" > "probe.csv"
+    for (i = 0; i < 20; ++i) {
+      x = 57 + 2 * sin(7 * i); y = 8 + 24 * i / 19; d = 22 + 3 * sin(3 * i)
+      turn = sprintf("%.9f,%.9f,%.9f,0,0,0.707106781187,-0.707106781187", x + 11, y - 4, d + 50)
+      print 0.5 * i "," turn ",OK" > "probe.csv"
+      for (w = 2; w <= last; ++w) printf "%.1f,%s,%.6f,%.6f,%s\n", 0.5 * i, name[w],
+        (x - front[w] - (back[w] - front[w]) * y / 40) / 0.08, (d - z[w]) / 0.08, turn > "wire_points.csv"
+      u = 300 + 250 * sin(5 * i); v = 240 + 220 * cos(4 * i)
+      printf "%.1f,%.6f,%.6f,%.6f,%.6f,%.6f,%s\n", 0.5 * i, u, v, x - 0.08 * u, y, d - 0.08 * v,
+        turn > "tips.csv"
+    } }' wires.csv

@@ -4,6 +4,7 @@
 #include "acus/base/core/error.h"
 #include "acus/base/core/xml_scan.h"
 #include "acus/data/session/sequence_header.h"
+#include "acus/data/session/sequence_writer.h"
 
 namespace acus::session {
 
@@ -25,6 +26,15 @@ std::map<std::string, Eigen::Matrix4d> ReadPlusCalibrations(const std::filesyste
         Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers->data());
   }
   return calibrations;
+}
+
+void WritePlusCalibration(const std::filesystem::path& path, std::string_view from,
+                          std::string_view to, const Eigen::Matrix4d& to_from_from,
+                          double error_mm) {
+  WriteTextFile(path, Message("<PlusConfiguration version=\"2.1\">\n  <CoordinateDefinitions>\n",
+                              "    <Transform From=\"", from, "\" To=\"", to, "\"\n      Matrix=\"",
+                              TransformText(to_from_from), "\"\n      Error=\"", error_mm,
+                              "\" />\n  </CoordinateDefinitions>\n</PlusConfiguration>\n"));
 }
 
 }  // namespace acus::session

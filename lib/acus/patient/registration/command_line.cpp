@@ -20,6 +20,7 @@ struct Tasks {
   HandEyeTask hand_eye = {};
   TemporalTask temporal = {};
   FacetTask facets = {};
+  ProbeTask probe = {};
   TrackerTask tracker = {};
   SurfaceTask surface = {};
   WarpTask warp = {};
@@ -31,6 +32,7 @@ struct Tasks {
     pivot.robust = landmarks.settings.leave_out_outliers;
     landmarks.target = touch.target = facets.target = surface.target = target;
     touch.settings = facets.settings = landmarks.settings;
+    probe.settings.confidence = landmarks.settings.confidence;
   }
 };
 
@@ -166,6 +168,37 @@ CLI::App* AddFacets(CLI::App& app, FacetTask& task) {
   return command;
 }
 
+CLI::App* AddProbe(CLI::App& app, ProbeTask& task) {
+  CLI::App* command = app.add_subcommand(
+      "probe", "Find where the pixels of an ultrasound probe's images are on its marker");
+  command
+      ->add_option(
+          "points", task.points,
+          "Points in the images: time_s, u_px, v_px and wire, or tip_x_mm to tip_z_mm (.csv)")
+      ->required()
+      ->check(ExistingFile);
+  command->add_option("--phantom", task.phantom, "Its N-wires: PLUS configuration (.xml) or .csv")
+      ->check(ExistingFile);
+  command
+      ->add_option("--phantom-pose", task.phantom_pose,
+                   "Phantom in the reference frame; default: PhantomToReference of --phantom")
+      ->check(ExistingFile);
+  command
+      ->add_option("--log", task.probe.log,
+                   "Recording of the probe's marker; default: poses beside the points")
+      ->check(ExistingPath);
+  command->add_option("--tool", task.probe.tool, "Name of the probe in the recording");
+  command->add_option("--reference", task.probe.reference, "Name of the reference in it");
+  command->add_option("--image-px", task.image_px, "Columns,rows of the images")
+      ->delimiter(',')
+      ->expected(2)
+      ->check(Range(1.0, 1e5));
+  command->add_option("--limit-mm", task.settings.limit_mm, "Larger residuals (RMS) are an error")
+      ->check(Range(0.001, 1000.0))
+      ->capture_default_str();
+  return command;
+}
+
 CLI::App* AddTracker(CLI::App& app, TrackerTask& task) {
   CLI::App* command = app.add_subcommand(
       "tracker", "Measure jitter of tools that lie still, and accuracy over known places");
@@ -255,6 +288,7 @@ std::function<std::string(RunContext& context)> AddTasks(CLI::App& app,
       {AddHandEye(app, tasks->hand_eye), runner(&Tasks::hand_eye), {}},
       {AddTemporal(app, tasks->temporal), runner(&Tasks::temporal), {}},
       {AddFacets(app, tasks->facets), runner(&Tasks::facets), of_points},
+      {AddProbe(app, tasks->probe), runner(&Tasks::probe), {"confidence"}},
       {AddTracker(app, tasks->tracker), runner(&Tasks::tracker), {}},
       {AddSurface(app, tasks->surface), runner(&Tasks::surface), {"target"}},
       {AddWarp(app, tasks->warp), runner(&Tasks::warp), {}}};

@@ -8,6 +8,7 @@
 
 #include "acus/base/core/run_context.h"
 #include "acus/patient/registration/landmark_registration.h"
+#include "acus/patient/registration/probe_calibration.h"
 #include "acus/patient/registration/surface_registration.h"
 #include "acus/patient/registration/surface_warp.h"
 #include "acus/patient/registration/temporal.h"
@@ -77,6 +78,19 @@ struct FacetTask {
   RegistrationSettings settings = {};
 };
 
+/// Points seen in images of a tracked probe, to the place of the images on its marker.
+struct ProbeTask {
+  /// CSV: time_s, u_px, v_px and wire, or tip_x_mm, tip_y_mm, tip_z_mm in the reference frame; with
+  /// the pose of the probe's marker (x_mm .. qz) where there is no recording.
+  std::filesystem::path points = {};
+  std::filesystem::path phantom = {};  ///< ReadWirePhantom; empty: points of a stylus.
+  /// reference_from_phantom; empty: PhantomToReference of the phantom's file, else the identity.
+  std::filesystem::path phantom_pose = {};
+  LogTool probe = {.log = {}, .tool = "Probe", .reference = "Reference"};
+  std::vector<double> image_px = {};  ///< Columns and rows; may be empty.
+  ProbeCalibrationSettings settings = {};
+};
+
 /// Jitter of the tools in a recording; accuracy over places of known layout.
 struct TrackerTask {
   std::filesystem::path log = {};       ///< Empty: no jitter is requested.
@@ -117,6 +131,7 @@ std::string Run(const TouchTask& task, const std::filesystem::path& folder, RunC
 std::string Run(const HandEyeTask& task, const std::filesystem::path& folder, RunContext& context);
 std::string Run(const TemporalTask& task, const std::filesystem::path& folder, RunContext& context);
 std::string Run(const FacetTask& task, const std::filesystem::path& folder, RunContext& context);
+std::string Run(const ProbeTask& task, const std::filesystem::path& folder, RunContext& context);
 std::string Run(const TrackerTask& task, const std::filesystem::path& folder, RunContext& context);
 std::string Run(const SurfaceTask& task, const std::filesystem::path& folder, RunContext& context);
 std::string Run(const WarpTask& task, const std::filesystem::path& folder, RunContext& context);
