@@ -39,7 +39,7 @@ std::vector<ForceCurve> Replayed(const forces::ForceTable& table, const std::str
 }
 
 constexpr std::size_t kLeastForScatter = 5;
-constexpr double kLargestGsd = 3.0;  // Of the schema.
+constexpr double kLargestGsd = 3.0;  // The schema acus-forces allows no more.
 
 }  // namespace
 

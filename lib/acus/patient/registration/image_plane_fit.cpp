@@ -99,9 +99,7 @@ Row RowOf(const ceres::CostFunction& cost, const PlaneVector& parameters) {
   row.jacobian.resize(cost.num_residuals(), 8);
   const double* blocks[] = {parameters.data()};
   double* jacobians[] = {row.jacobian.data()};
-  if (!cost.Evaluate(blocks, row.residual.data(), jacobians)) {
-    throw NoAnswerError("a wire lies within the plane of an image; record images across the wires");
-  }
+  RequireCut(cost.Evaluate(blocks, row.residual.data(), jacobians));
   return row;
 }
 

@@ -1,8 +1,8 @@
 #include "acus/run/replay/patient_range.h"
 
 #include <algorithm>
-#include <fstream>
 
+#include "acus/base/core/atomic_file.h"
 #include "acus/base/core/csv.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/text_table.h"
@@ -56,13 +56,6 @@ std::string ColumnOf(const Metric& metric) {
   return name;
 }
 
-void Write(const fs::path& path, const std::string& text) {
-  std::ofstream out(path, std::ios::binary);
-  out << text;
-  out.close();
-  ACUS_REQUIRE(out, path.string(), ": cannot be written; is the disk full?");
-}
-
 }  // namespace
 
 PatientRange RangeOverPatients(const scenario::Scenario& scenario, const session::Session& session,
@@ -101,13 +94,13 @@ void WriteRange(const fs::path& folder, const PatientRange& range, const StepLog
     for (const Metric& metric : patient.metrics) text += ',' + NumberText(metric.value);
     text += '\n';
   }
-  Write(folder / "other_patients.csv", text);
+  WriteTextFile(folder / "other_patients.csv", text);
   text = "time_s,force_axial_p5_n,force_axial_median_n,force_axial_p95_n\n";
   for (std::size_t i = 0; i < range.median_n.size(); ++i) {
     text += session::SecondsText(log.steps[i].time_ns) + ',' + NumberText(range.p5_n[i]) + ',' +
             NumberText(range.median_n[i]) + ',' + NumberText(range.p95_n[i]) + '\n';
   }
-  Write(folder / "other_patients_range.csv", text);
+  WriteTextFile(folder / "other_patients_range.csv", text);
 }
 
 report::Plot RangePlot(const PatientRange& range, const StepLog& log) {

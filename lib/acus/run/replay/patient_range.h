@@ -36,7 +36,7 @@ PatientRange RangeOverPatients(const scenario::Scenario& scenario, const session
                                const RunContext& context);
 
 /// other_patients.csv: the metrics of each patient. other_patients_range.csv: the quantiles at each
-/// step of `log`. @throws InputError if a file cannot be written.
+/// step of `log`. @throws IoError if a file cannot be written.
 void WriteRange(const std::filesystem::path& folder, const PatientRange& range, const StepLog& log);
 
 /// For the report: the force of this patient over the band of the others, by time.

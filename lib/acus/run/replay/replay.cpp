@@ -169,12 +169,13 @@ ReplayResult ReplaySession(const scenario::Scenario& scenario, const fs::path& s
     const auto source = LabelSourceOf(scenario, scene, exercise ? &*exercise : nullptr, context);
     labelled.emplace(scene, source, options.labels, into / "labelled");
   }
-  run.images = RenderImages(scene, MomentsOfScene(moments), run.steps, into, options, &run.times,
-                            context, labelled ? &*labelled : nullptr);
+  const std::vector<simulation::Snapshot> of_scene = MomentsOfScene(moments);
+  run.images = RenderImages(scene, of_scene, run.steps, into, options, &run.times, context,
+                            labelled ? &*labelled : nullptr);
   if (labelled) labelled->Finish();
   run.effects = RenderEffectImages(scene, moments, run.steps, into, options, &run.times, context);
   run.cpu_s = ProcessCpuSeconds() - begin_s;
-  for (const std::string& warning : RunWarnings(scene, run.steps, MomentsOfScene(moments))) {
+  for (const std::string& warning : RunWarnings(scene, run.steps, of_scene)) {
     context.Warn(warning);
   }
   if (scenario.patient.num_others > 0) {

@@ -1,7 +1,6 @@
 #include "acus/run/replay/run_warnings.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "acus/base/core/error.h"
 #include "acus/data/volume/label_lookup.h"
