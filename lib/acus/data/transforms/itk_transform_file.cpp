@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "acus/base/core/child_process.h"
+#include "acus/base/config/json_from_child.h"
 #include "acus/base/core/error.h"
 
 namespace acus::transforms {
@@ -162,11 +162,7 @@ Eigen::Matrix4d FirstAffine(std::span<const std::uint8_t> bytes, const std::stri
 nlohmann::json FromChild(const std::string& label, const std::function<nlohmann::json()>& work) {
   core::ChildLimits limits;
   limits.memory_bytes = 1e9;
-  const core::ChildResult result = core::RunInChild([&] { return work().dump(); }, limits);
-  if (result.end == core::ChildResult::End::kThrew) throw InputError(result.problem);
-  ACUS_REQUIRE(result.end == core::ChildResult::End::kDone, label,
-               ": cannot be read; the file is damaged (", result.problem, ")");
-  return nlohmann::json::parse(result.bytes);
+  return config::JsonFromChild(limits, label + ": cannot be read; the file is damaged", work);
 }
 
 }  // namespace

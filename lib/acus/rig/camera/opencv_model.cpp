@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "acus/base/config/json_from_child.h"
 #include "acus/base/core/atomic_file.h"
-#include "acus/base/core/child_process.h"
 #include "acus/base/core/error.h"
 #include "acus/base/core/input_file.h"
 #include "acus/base/core/xml_scan.h"
@@ -138,12 +138,10 @@ CameraParameters ParametersInChild(const std::string& text, bool is_xml, const s
   core::ChildLimits limits;
   limits.time_s = kReadTimeOfCameraS;
   limits.memory_bytes = 1e9;
-  const core::ChildResult result = core::RunInChild(
-      [&] { return nlohmann::json(NumbersOfCamera(text, is_xml, label)).dump(); }, limits);
-  if (result.end == core::ChildResult::End::kThrew) throw InputError(result.problem);
-  ACUS_REQUIRE(result.end == core::ChildResult::End::kDone, label,
-               ": OpenCV cannot read it; the file is broken (", result.problem, ")");
-  const auto n = nlohmann::json::parse(result.bytes).get<std::vector<double>>();
+  const auto n =
+      config::JsonFromChild(limits, label + ": OpenCV cannot read it; the file is broken", [&] {
+        return nlohmann::json(NumbersOfCamera(text, is_xml, label));
+      }).get<std::vector<double>>();
   CameraParameters p;
   p.width_px = static_cast<int>(n[0]);
   p.height_px = static_cast<int>(n[1]);

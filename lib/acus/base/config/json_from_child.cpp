@@ -1,0 +1,15 @@
+#include "acus/base/config/json_from_child.h"
+
+#include "acus/base/core/error.h"
+
+namespace acus::config {
+
+nlohmann::json JsonFromChild(const core::ChildLimits& limits, const std::string& failure,
+                             const std::function<nlohmann::json()>& work) {
+  const core::ChildResult result = core::RunInChild([&] { return work().dump(); }, limits);
+  if (result.end == core::ChildResult::End::kThrew) throw InputError(result.problem);
+  ACUS_REQUIRE(result.end == core::ChildResult::End::kDone, failure, " (", result.problem, ")");
+  return nlohmann::json::parse(result.bytes);
+}
+
+}  // namespace acus::config
