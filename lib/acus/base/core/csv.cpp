@@ -201,6 +201,9 @@ void CsvTable::AddRow(const Line& line, bool is_last_and_open) {
 
 void CsvTable::Parse(std::string bytes, bool has_header) {
   const std::string name = path_.string();
+  ACUS_REQUIRE(!bytes.starts_with("PK\x03\x04"), name,
+               ": is a ZIP archive or a workbook (.xlsx, .ods), not a CSV file; save the sheet as "
+               "CSV, or unpack the archive");
   const std::string text = Utf8Text(std::move(bytes), name);
   style_ = StyleOf(text, name);
   std::vector<Line> lines;

@@ -114,12 +114,16 @@ Surface ParseStl(std::string_view bytes, const std::string& label) {
 Surface ParseObj(std::string_view bytes, const std::string& label) {
   static constexpr std::array<std::string_view, 14> kIgnored = {
       "vn", "vt", "vp", "g", "o", "s", "usemtl", "mtllib", "l", "p", "cstype", "deg", "end", "mg"};
+  static constexpr std::array<std::string_view, 7> kOfNumbers = {"v", "vn", "vt", "vp",
+                                                                 "f", "l",  "p"};
   SurfaceBuilder builder;
   TextScanner lines(bytes, label);
   std::vector<long long> corners;
   double mm_per_unit = 1.0;
   while (lines.NextLine()) {
     const std::string_view word = lines.words()[0];
+    const bool has_numbers = std::ranges::find(kOfNumbers, word) != kOfNumbers.end();
+    if (has_numbers) lines.JoinContinuedLines();
     if (word == "v") {
       builder.AddNode(lines.Number(1), lines.Number(2), lines.Number(3));
     } else if (word == "f") {

@@ -19,14 +19,21 @@ class TextScanner {
   /// Moves to the next line that holds a word; its words are in words(). False at the end.
   bool NextLine() {
     while (position_ < text_.size()) {
-      const std::size_t end = std::min(text_.find('\n', position_), text_.size());
-      Split(text_.substr(position_, end - position_));
-      position_ = end + 1;
-      ++line_;
+      words_.clear();
+      AddLine();
       if (!words_.empty()) return true;
     }
     position_ = std::min(position_, text_.size());
     return false;
+  }
+  /// Adds the words of the lines that a backslash at the end of this one continues, as OBJ does.
+  void JoinContinuedLines() {
+    while (!words_.empty() && words_.back().ends_with('\\')) {
+      words_.back().remove_suffix(1);
+      if (words_.back().empty()) words_.pop_back();
+      if (position_ >= text_.size()) return;
+      AddLine();
+    }
   }
   const std::vector<std::string_view>& words() const { return words_; }
   std::size_t position() const { return position_; }  ///< Of the byte after the current line.
@@ -54,8 +61,11 @@ class TextScanner {
   }
 
  private:
-  void Split(std::string_view line) {
-    words_.clear();
+  void AddLine() {
+    const std::size_t line_end = std::min(text_.find('\n', position_), text_.size());
+    const std::string_view line = text_.substr(position_, line_end - position_);
+    position_ = line_end + 1;
+    ++line_;
     constexpr std::string_view kBlank = " \t\r\v\f";
     for (std::size_t at = line.find_first_not_of(kBlank); at != std::string_view::npos;) {
       const std::size_t end = std::min(line.find_first_of(kBlank, at), line.size());

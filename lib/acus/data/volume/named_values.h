@@ -11,9 +11,10 @@
 namespace acus::volume {
 
 struct NamedValues {
-  Grid<std::int32_t> values;  ///< 0: nothing.
-  ValueNames names;           ///< Empty if the file gives none.
-  std::string named_by;       ///< "by the label table in its header"; empty without names.
+  Grid<std::int32_t> values;     ///< 0: nothing.
+  ValueNames names;              ///< Empty if the file gives none.
+  std::string named_by;          ///< "by the label table in its header"; empty without names.
+  bool is_named_beside = false;  ///< The names are those of a file beside it.
 };
 
 /// One structure: the places of its voxels.

@@ -38,6 +38,7 @@ TEST(CsvTable, NamesFileRowAndValueOfWhatIsWrong) {
   EXPECT_THAT(message("force_m\n1\n"), ThrowsMessage<InputError>(HasSubstr("rename 'force_m'?")));
   EXPECT_THAT(message("a,a\n1,2\n"), ThrowsMessage<InputError>(HasSubstr("'a' appears twice")));
   EXPECT_THAT(message(""), ThrowsMessage<InputError>(HasSubstr("is empty")));
+  EXPECT_THAT(message("PK\x03\x04..."), ThrowsMessage<InputError>(HasSubstr("a workbook")));
 }
 
 void ExpectCurve(std::string_view text) {

@@ -86,6 +86,16 @@ TEST(ReadSurface, ReadsObjWithNegativeNumbersNormalsAndQuads) {
   EXPECT_THAT([&] { ReadSurface(path); }, ThrowsMessage<InputError>(HasSubstr("quad.obj:1")));
 }
 
+TEST(ReadSurface, JoinsLinesOfObjThatABackslashContinues) {
+  const auto path = TemporaryPath("continued.obj");
+  WriteTextFile(path,
+                "# made in C:\\models\\\nv 0 0 \\\n0\nv 2 0 0\nv 0 1 0\r\nv 0 0 1\nf 1 2\\\r\n 3 "
+                "\\\n 4\nvn 0 \\\n0 1\nmtllib a\\b\\\nf 1 \\");
+  EXPECT_THAT([&] { ReadSurface(path); }, ThrowsMessage<InputError>(HasSubstr("continued.obj:13")));
+  WriteTextFile(path, "v 0 0 \\\n0\nv 2 0 0\nv 0 1 0\nv 0 0 1\nf 1 2\\\r\n 3 \\\n 4\n");
+  EXPECT_EQ(ReadSurface(path).triangles, (Eigen::Matrix3Xi(3, 2) << 0, 0, 1, 2, 2, 3).finished());
+}
+
 TEST(ReadSurface, ConvertsTheUnitInACommentOfObj) {
   const auto path = TemporaryPath("unit.obj");
   for (const auto& [comment, mm] :

@@ -433,6 +433,7 @@ TEST(ReadCt, RefusesWhatIsNoVolume) {
   refuses("text.mha", "hello", "ElementDataFile");
   refuses("text.nii", "hello", "no NIfTI");
   refuses("image.png", "hello", "none of the volume formats");
+  refuses("image.zip", "PK", "unpack the archive");
   refuses("flat.nrrd", "NRRD0004\ntype: short\ndimension: 2\nsizes: 2 2\nencoding: raw\n\n12345678",
           "2 dimensions");
   refuses("skewed.nrrd",

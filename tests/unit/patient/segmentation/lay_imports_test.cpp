@@ -126,6 +126,17 @@ TEST(LayImports, AsksForTheNameOfAMaskOfOneValue) {
           AllOf(HasSubstr("has one value, 7, and no name for it"), HasSubstr("--mapping"))));
 }
 
+TEST(LayImports, AsksWhichNameOfAMaskIsRightWhereATableBesideItHasAnother) {
+  RowOfVoxels row;
+  WriteNiftiLabels(row.folder / "liver.nii", 6, 1, 1, {1, 0, 0, 0, 0, 0}, {});
+  const auto lay = [&] { return row.Lay({{row.folder / "liver.nii", {}}}); };
+  WriteTextFile(row.folder / "labels.txt", "  1  255 0 0  1 1 1  \"liver\"\n");
+  EXPECT_THAT(lay(), HasSubstr("by labels.txt"));
+  WriteTextFile(row.folder / "labels.txt", "  1  255 0 0  1 1 1  \"spleen\"\n");
+  EXPECT_THAT(lay, ThrowsMessage<InputError>(
+                       HasSubstr("by labels.txt it is 'spleen', by the file's name 'liver'")));
+}
+
 TEST(LayImports, ListsNamesThatItDoesNotHave) {
   RowOfVoxels row;
   WriteNiftiLabels(row.folder / "a.nii", 6, 1, 1, {1, 2, 3, 4, 0, 0},

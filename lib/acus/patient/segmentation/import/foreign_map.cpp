@@ -102,7 +102,8 @@ volume::NamedValues ReadForeignMap(const fs::path& path, const volume::Geometry&
   volume::NamedValues map = volume::ReadNamedValues(object.empty() ? path : object);
   if (!map.names.empty()) return map;  // Written with the values: nothing beside it is nearer.
   volume::NamesBeside beside = volume::FindNamesBeside(path);
-  if (!beside.names.empty()) map.named_by = "by " + beside.file.filename().string();
+  map.is_named_beside = !beside.names.empty();
+  if (map.is_named_beside) map.named_by = "by " + beside.file.filename().string();
   map.names = std::move(beside.names);
   return map;
 }

@@ -77,6 +77,7 @@ volume::NamedValues ReadMap(const ForeignLabels& labels, Table table, const volu
   if (table == Table::kNames) {
     map.names = NamesInMapping(labels.mapping);
     map.named_by = "by " + labels.mapping.filename().string();
+    map.is_named_beside = false;
   }
   return map;
 }
@@ -191,6 +192,24 @@ volume::ValueNames NamesOfOneValue(std::int32_t value, const LabelNames& table,
   return {{value, *name}};
 }
 
+/// A table beside a mask may be that of another map.
+/// @throws InputError if it names the mask's one value as another structure than the file's name.
+void RequireNameOfFile(const volume::NamedValues& map, const LabelNames& table,
+                       const fs::path& file) {
+  const auto values = ValuesThatOccur(map.values);
+  if (!map.is_named_beside || values.size() != 1) return;
+  const auto beside = map.names.find(*values.begin());
+  const auto by_file = StructureInName(file, table);
+  if (beside == map.names.end() || !by_file) return;
+  const auto known = table.Find(beside->second);
+  const auto stated = table.Find(*by_file);
+  ACUS_REQUIRE(!known || known->structure.name == stated->structure.name, file.string(),
+               ": has one value, ", *values.begin(), ": ", map.named_by, " it is '",
+               known->structure.name, "', by the file's name '", stated->structure.name,
+               "'. Which structure is it? Give a table of its names by --mapping, or move the "
+               "mask to a folder of its own");
+}
+
 /// What a value of a table is; a tissue by its own name if the table's words are not known.
 std::optional<NamedStructure> StructureOf(std::int32_t value, const LabelMapping& mapping,
                                           const LabelNames& names) {
@@ -246,6 +265,7 @@ ImportedLabels ReadImportedLabels(const ForeignLabels& labels, const volume::Geo
       import.named_by = map.named_by;
     }
   }
+  RequireNameOfFile(map, import.names, labels.file);
   ACUS_REQUIRE(!own_table || !map.names.empty(), labels.file.string(),
                ": neither the file nor one beside it names its values, so ",
                labels.mapping.filename().string(),
