@@ -13,6 +13,7 @@ constexpr std::array kKeys = {
     KeyHelp{Command::kFreeze, "F", Marked("freeze and unfreeze the ultrasound image")},
     KeyHelp{Command::kGainUp, "G", Marked("more gain")},
     KeyHelp{Command::kGainDown, "Shift+G", Marked("less gain")},
+    KeyHelp{Command::kAutoGain, "R", Marked("automatic gain: tissue at a medium grey")},
     KeyHelp{Command::kDeeper, "D", Marked("deeper")},
     KeyHelp{Command::kShallower, "Shift+D", Marked("shallower")},
     KeyHelp{Command::kMarkTarget, "T", Marked("mark the needle's tip as target")},
@@ -55,6 +56,8 @@ std::string_view NameOf(Command command) noexcept {
       return "gain_up";
     case Command::kGainDown:
       return "gain_down";
+    case Command::kAutoGain:
+      return "auto_gain";
     case Command::kDeeper:
       return "deeper";
     case Command::kShallower:

@@ -13,6 +13,7 @@ enum class Command {
   kFreeze,
   kGainUp,
   kGainDown,
+  kAutoGain,
   kDeeper,
   kShallower,
   kSwapHands,

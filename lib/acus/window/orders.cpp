@@ -69,6 +69,7 @@ std::string WhyWithoutEffect(Command command, const SessionAbilities& session) {
                  : Translated("There is no syringe on this needle: I has no effect.");
     case Command::kGainUp:
     case Command::kGainDown:
+    case Command::kAutoGain:
     case Command::kDeeper:
     case Command::kShallower:
     case Command::kFreeze:
@@ -86,9 +87,8 @@ std::optional<live::CommandQueue::Order> OrderOf(Command command,
   const auto order = [](CommandKind kind, double value = 0.0) {
     return live::CommandQueue::Order{kind, value};
   };
-  const auto gain = [&](double step_db) {
-    return order(CommandKind::kGain,
-                 std::clamp(present.gain_db + step_db, -kLargestGainDb, kLargestGainDb));
+  const auto gain = [&](double gain_db) {
+    return order(CommandKind::kGain, std::clamp(gain_db, -kLargestGainDb, kLargestGainDb));
   };
   const auto depth = [&](double step_mm) {
     return order(CommandKind::kDepth,
@@ -106,9 +106,11 @@ std::optional<live::CommandQueue::Order> OrderOf(Command command,
     case Command::kFreeze:
       return order(snapshot.frozen ? CommandKind::kRunImage : CommandKind::kFreezeImage);
     case Command::kGainUp:
-      return gain(kGainStepDb);
+      return gain(present.gain_db + kGainStepDb);
     case Command::kGainDown:
-      return gain(-kGainStepDb);
+      return gain(present.gain_db - kGainStepDb);
+    case Command::kAutoGain:
+      return gain(present.auto_gain_db);
     case Command::kDeeper:
       return depth(kDepthStepMm);
     case Command::kShallower:

@@ -20,6 +20,7 @@ inline constexpr double kMostThumbN = 40.0;
 struct ImageSetting {
   double gain_db = 0.0;
   double depth_mm = 0.0;
+  double auto_gain_db = 0.0;  ///< The gain that the newest image needs; for kAutoGain.
 };
 
 /// The settings of the session with orders that no image shows yet, so that each of several quick

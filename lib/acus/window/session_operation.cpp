@@ -4,12 +4,19 @@
 #include <utility>
 
 #include "acus/base/translation/translation.h"
+#include "acus/imaging/ultrasound/display/auto_gain.h"
 #include "acus/window/hand_steering.h"
 
 namespace acus::window {
 namespace {
 
 constexpr double kNoticeS = 4.0;
+
+/// The gain that the image needs; the present one before there is an image.
+double AutoGainDb(const live::LiveImage& image, double gain_db) {
+  if (!image.probe || image.images.b_mode.pixels.empty()) return gain_db;
+  return gain_db + ultrasound::AutoGainChangeDb(image.images.b_mode, image.probe->dynamic_range_db);
+}
 
 }  // namespace
 
@@ -41,7 +48,9 @@ bool SessionOperation::Obey(std::span<const Command> commands, const live::LiveI
       notice_until_s_ = now_s + kNoticeS;
       continue;
     }
-    const auto order = OrderOf(command, ordered_.snapshot(), ordered_.image());
+    ImageSetting present = ordered_.image();
+    if (command == Command::kAutoGain) present.auto_gain_db = AutoGainDb(image, shown.gain_db);
+    const auto order = OrderOf(command, ordered_.snapshot(), present);
     if (!order) continue;
     session_.commands().Give(order->kind, order->value);
     ordered_.Add(*order, now_s);

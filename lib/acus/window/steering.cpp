@@ -110,6 +110,8 @@ void Steering::Letter(char letter, bool shift, std::span<const ViewKind> shown) 
       return add(Command::kFreeze);
     case 'g':
       return add(shift ? Command::kGainDown : Command::kGainUp);
+    case 'r':
+      return add(Command::kAutoGain);
     case 'd':
       return add(shift ? Command::kShallower : Command::kDeeper);
     case 't':

@@ -31,6 +31,8 @@ TEST(Orders, GainAndDepthGoInStepsWithinBounds) {
   EXPECT_EQ(OrderOf(Command::kGainDown, snapshot, present)->value, 7.0);
   EXPECT_EQ(OrderOf(Command::kDeeper, snapshot, present)->value, 105.0);
   EXPECT_EQ(OrderOf(Command::kShallower, snapshot, present)->value, 85.0);
+  EXPECT_EQ(OrderOf(Command::kAutoGain, snapshot, {.auto_gain_db = 17.0})->value, 17.0);
+  EXPECT_EQ(OrderOf(Command::kAutoGain, snapshot, {.auto_gain_db = 70.0})->value, kLargestGainDb);
   const ImageSetting least{.gain_db = -59.0, .depth_mm = 25.0};
   EXPECT_EQ(OrderOf(Command::kGainDown, snapshot, least)->value, -kLargestGainDb);
   EXPECT_EQ(OrderOf(Command::kShallower, snapshot, least)->value, kLeastDepthMm);

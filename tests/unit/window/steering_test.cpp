@@ -43,6 +43,7 @@ TEST_F(SteeringTest, KeysGiveTheirCommands) {
   for (const auto& [key, shift, command] : {std::tuple{"f", false, Command::kFreeze},
                                             {"g", false, Command::kGainUp},
                                             {"G", true, Command::kGainDown},
+                                            {"r", false, Command::kAutoGain},
                                             {"d", false, Command::kDeeper},
                                             {"D", true, Command::kShallower},
                                             {"t", false, Command::kMarkTarget},

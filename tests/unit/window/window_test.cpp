@@ -134,6 +134,7 @@ TEST_F(WindowTest, KeysThroughTheXServerBecomeCommands) {
   for (const auto& [key, command] : {std::pair{"f", Command::kFreeze},
                                      {"g", Command::kGainUp},
                                      {"G", Command::kGainDown},
+                                     {"r", Command::kAutoGain},
                                      {"d", Command::kDeeper},
                                      {"D", Command::kShallower},
                                      {"t", Command::kMarkTarget},

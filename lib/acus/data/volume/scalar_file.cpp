@@ -56,11 +56,11 @@ itk::ImageIOBase::Pointer MakeImageIo(const fs::path& path) {
   static constexpr std::array kArchives = {".zip", ".tar", ".tgz", ".gz", ".7z", ".rar"};
   const bool is_archive =
       std::ranges::find(kArchives, path.extension().string()) != kArchives.end();
-  throw InputError(Message(path.string(),
-                           ": is none of the volume formats that are known by their ending: "
-                           ".nii, .nii.gz, .nii.bz2, .nrrd, .nhdr, .mha, .mhd",
-                           is_archive ? "; unpack the archive, and give the file or folder in it"
-                                      : ""));
+  throw InputError(
+      Message(path.string(),
+              ": is none of the volume formats that are known by their ending: "
+              ".nii, .nii.gz, .nii.bz2, .nrrd, .nhdr, .mha, .mhd",
+              is_archive ? "; unpack the archive, and give the file or folder in it" : ""));
 }
 
 /// The readers of long and unsigned long give what the platform makes of it: 64 bits here.
