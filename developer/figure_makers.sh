@@ -91,13 +91,14 @@ make_fortmeier() {
   motions 64
   figure_5_upper
   figure_5_lower
+  figure_6
   figure_8
   figure_9
   figure_10
   figure_11
   figure_12 64
   local figure
-  for figure in 5_upper.svg 5_lower.svg 8.png 8_path.svg 9.png 10.png 11_slices.png 11_rays.png 12_slices.png 12_ribs.png; do
+  for figure in 5_upper.svg 5_lower.svg 6.png 8.png 8_path.svg 9.png 10.png 11_slices.png 11_rays.png 12_slices.png 12_ribs.png; do
     cp "figure_$figure" "$figures/fortmeier_$figure"
   done
 }
@@ -111,6 +112,11 @@ make_ultrasound_models() {
     ultrasound_figures liver "$probe" "$figure" "$figures/ultrasound_liver_$figure.png"
   done
   ultrasound_figures lumbar "$probe" alamilla "$figures/ultrasound_lumbar_alamilla.png"
+  ultrasound_figures liver "$probe" vidal_7 "$figures/vidal_7.png"
+  patient_of shoulder
+  for figure in alamilla_6 alamilla_9_10; do
+    ultrasound_figures shoulder "$root/configs/probes/linear_l7_4.json" $figure "$figures/$figure.png"
+  done
 }
 
 make_ultrasound_2010() {
@@ -240,12 +246,13 @@ make_launcher() {
   small launcher.png "$figures/launcher.png"
 }
 
-# The window of pipelines/training-day, at the end of the day that its test plays.
+# The window of pipelines/training-day, at the end of the day that its test plays. Its reports run only when nothing else does:
+# on a busy machine they take minutes.
 make_training_day() {
   build programs
   local bin=${ACUS_BIN:-$root/build/bin}
   quietly env ACUS_BIN="$bin" INPUTS="$PWD/inputs" bash "$root/tests/cli/make_inputs.sh" "$root"
-  quietly env ACUS_BIN="$bin" INPUTS="$PWD/inputs" WAIT_S=120 bash "$root/tests/launcher/day.sh" "$root" day
+  quietly env ACUS_BIN="$bin" INPUTS="$PWD/inputs" WAIT_S=1200 bash "$root/tests/launcher/day.sh" "$root" "$PWD/day"
   cp day/next_morning.png "$figures/training_day.png"
 }
 

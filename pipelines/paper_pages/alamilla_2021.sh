@@ -28,6 +28,34 @@ plot figure_19.svg "Clamping force, after figure 19" "time [s]" "force across th
 plot figure_20.svg "Cutting and withdrawal force, after figure 20" "time [s]" "force [N]" \
   straight=cutting_straight.csv turned=cutting_turned.csv
 
+say "trajectories with the clamping force"
+# trajectory NAME: figures 16 and 17: path of the tip in the body, and from it the force across the needle, in the plane of the
+# needle at the skin and of the place where the tip is farthest off its line.
+arrow_mm_per_n=20
+trajectory() {
+  replay "trace_$1" "$1" "$1/sessions/shoulder" "${no_images[@]}" --set /effects/tissue=null --trace
+  awk -F, -v scale=$arrow_mm_per_n -v arrows="arrows_$1.csv" 'function dot(a, i, b, k) { return a[i, 0] * b[k, 0] + a[i, 1] * b[k, 1] + a[i, 2] * b[k, 2] }
+    NR == 1 { for (i = 1; i <= NF; ++i) at[$i] = i; next }
+    $at["needle force/depth_mm"] > 0 { ++n
+      for (r = 0; r < 3; ++r) {
+        p[n, r] = $at["needle pose/ct_from_needle_" r 3] - (n > 1 ? start[r] : 0); axis[n, r] = $at["needle pose/ct_from_needle_" r 2]
+        f[n, r] = $at["needle force/force_" substr("xyz", r + 1, 1) "_n"] }
+      if (n == 1) for (r = 0; r < 3; ++r) { start[r] = p[1, r]; p[1, r] = 0 } }
+    END {
+      for (i = 1; i <= n; ++i) { along = dot(p, i, axis, 1); off = dot(p, i, p, i) - along * along; if (off > most) { most = off; far = i } }
+      for (r = 0; r < 3; ++r) side[1, r] = (p[far, r] - dot(p, far, axis, 1) * axis[1, r]) / sqrt(most)
+      for (i = 1; i <= n; i += 10) {
+        print dot(p, i, axis, 1) "," dot(p, i, side, 1)
+        if (i % 100 != 1) continue
+        for (r = 0; r < 3; ++r) q[1, r] = p[i, r] + scale * (f[i, r] - dot(f, i, axis, i) * axis[i, r])
+        printf "%g,%g\n%g,%g\n\n", dot(p, i, axis, 1), dot(p, i, side, 1), dot(q, 1, axis, 1), dot(q, 1, side, 1) >arrows
+      } }' "trace_$1/trace.csv" >"path_$1.csv"
+  plot "figure_$2.svg" "Path of the tip and clamping force, $1, after figure $2" "along the needle at the skin [mm]" "across it [mm]" \
+    "path=path_$1.csv" "clamping,_$arrow_mm_per_n""_mm_for_each_N=arrows_$1.csv"
+}
+trajectory straight 16
+trajectory turned 17
+
 say "through all tissues of table II"
 # shellcheck source=/dev/null
 source "$root/pipelines/paper_pages/alamilla_2021_tissues.sh"
@@ -72,7 +100,7 @@ heading "Tables"
 for part in tissues forces speed; do table $part; done
 note load
 heading "Figures"
-for number in 14 18_straight 18_turned 19 20; do figure figure_$number.svg figure_$number; done
+for number in 14 16 17 18_straight 18_turned 19 20; do figure figure_$number.svg figure_$number; done
 figure layers.svg layers
 last=$(find run_turned -name 'event_*.png' | sort | tail -n 1)
 figure "$last" ultrasound

@@ -170,17 +170,23 @@ constant_stroke() {
     session_of "$1" needle
 }
 
-# plot FILE.svg TITLE X Y NAME=FILE.csv...: lines through the first two columns of CSVs without header.
+# plot FILE.svg TITLE X Y NAME=FILE.csv...: lines through the first two columns of CSVs without header; an empty line begins another.
 plot() {
   local file=$1 title=$2 x=$3 y=$4
   shift 4
-  awk -F, -v title="$title" -v xname="$x" -v yname="$y" -v series="$*" 'BEGIN {
+  awk -F, -v title="$title" -v xname="$x" -v yname="$y" -v series="$*" '
+    # 1, 2 or 5 times a power of ten: at most six ticks.
+    function tick(range, step) { step = 10 ^ int(log(range) / log(10) - 3); while (range / step > 6) step *= range / step > 30 ? 10 : range / step > 12 ? 5 : 2; return step }
+    function label(v, step) { return v * v < 1e-12 * step * step ? 0 : v }
+    function first(low, step, n) { n = int(low / step - 1e-9); return (n < low / step - 1e-9 ? n + 1 : n) * step }
+    BEGIN {
       split("#1f6fb4 #d1495b #2e8b57 #b07d12 #6a4c93", colour, " ")
       n = split(series, s, " ")
       xl = yl = 1e30; xh = yh = -1e30
       for (i = 1; i <= n; ++i) {
         name[i] = file[i] = s[i]; sub(/=.*/, "", name[i]); sub(/.*=/, "", file[i]); gsub(/_/, " ", name[i])
         while ((getline line < file[i]) > 0) {
+          if (line == "") { gap[i, count[i]] = 1; continue }
           split(line, v, ","); k = ++count[i]; px[i, k] = v[1] + 0; py[i, k] = v[2] + 0
           if (v[1] + 0 < xl) xl = v[1] + 0; if (v[1] + 0 > xh) xh = v[1] + 0
           if (v[2] + 0 < yl) yl = v[2] + 0; if (v[2] + 0 > yh) yh = v[2] + 0
@@ -190,16 +196,23 @@ plot() {
       W = 760; H = 400; L = 70; B = 50; T = 40; R = 15
       printf "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%d\" font-family=\"sans-serif\" font-size=\"13\"><rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n", W, H
       printf "<text x=\"%d\" y=\"22\" font-size=\"15\">%s</text><text x=\"%d\" y=\"%d\">%s</text><text transform=\"translate(16,%d) rotate(-90)\">%s</text>\n", L, title, W / 2, H - 10, xname, H / 2 + 30, yname
-      for (i = 0; i <= 5; ++i) {
-        xv = xl + (xh - xl) * i / 5; yv = yl + (yh - yl) * i / 5
-        X = L + (W - L - R) * i / 5; Y = H - B - (H - B - T) * i / 5
-        printf "<line x1=\"%.1f\" y1=\"%d\" x2=\"%.1f\" y2=\"%d\" stroke=\"#ddd\"/><text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%.3g</text>", X, T, X, H - B, X, H - B + 18, xv
-        printf "<line x1=\"%d\" y1=\"%.1f\" x2=\"%d\" y2=\"%.1f\" stroke=\"#ddd\"/><text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%.3g</text>\n", L, Y, W - R, Y, L - 6, Y + 4, yv
+      step = tick(xh - xl)
+      for (at = first(xl, step); at <= xh + 1e-9 * step; at += step) {
+        X = L + (W - L - R) * (at - xl) / (xh - xl)
+        printf "<line x1=\"%.1f\" y1=\"%d\" x2=\"%.1f\" y2=\"%d\" stroke=\"#ddd\"/><text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%.6g</text>", X, T, X, H - B, X, H - B + 18, label(at, step)
+      }
+      step = tick(yh - yl)
+      for (at = first(yl, step); at <= yh + 1e-9 * step; at += step) {
+        Y = H - B - (H - B - T) * (at - yl) / (yh - yl)
+        printf "<line x1=\"%d\" y1=\"%.1f\" x2=\"%d\" y2=\"%.1f\" stroke=\"#ddd\"/><text x=\"%d\" y=\"%.1f\" text-anchor=\"end\">%.6g</text>\n", L, Y, W - R, Y, L - 6, Y + 4, label(at, step)
       }
       for (i = 1; i <= n; ++i) {
         printf "<polyline fill=\"none\" stroke=\"%s\" stroke-width=\"1.4\" points=\"", colour[i]
         stride = int(count[i] / 4000) + 1
-        for (k = 1; k <= count[i]; k += stride) printf "%.1f,%.1f ", L + (W - L - R) * (px[i, k] - xl) / (xh - xl), H - B - (H - B - T) * (py[i, k] - yl) / (yh - yl)
+        for (k = 1; k <= count[i]; k += stride) {
+          printf "%.1f,%.1f ", L + (W - L - R) * (px[i, k] - xl) / (xh - xl), H - B - (H - B - T) * (py[i, k] - yl) / (yh - yl)
+          if (gap[i, k]) printf "\"/><polyline fill=\"none\" stroke=\"%s\" stroke-width=\"1.4\" points=\"", colour[i]
+        }
         printf "\"/><text x=\"%d\" y=\"%d\" fill=\"%s\">%s</text>\n", L + 12, T + 4 + 17 * i, colour[i], name[i]
       }
       print "</svg>"

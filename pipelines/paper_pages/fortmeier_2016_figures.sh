@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC2154 # Names of pipelines/papers and developer/figures.
-# Figures 5 and 8 to 12 of Fortmeier-2016 from replays of its preset, in CT space.
+# Figures 5, 6 and 8 to 12 of Fortmeier-2016 from replays of its preset, in CT space.
 # Expects: $paper, common.sh, and the folder `patient` (liver_ptc).
 
 deep_mm=30 # Travel of the diaphragm in figures 8 and 10.
@@ -103,6 +103,16 @@ figure_5_lower() {
   for run in breathing still; do column line_$run/forces.csv force_axial_n >line_$run.csv; done
   plot figure_5_lower.svg "In 10 s to 60 mm, a pause, 25 mm more, a pause, and out, after figure 5, lower" "time [s]" "axial force [N]" \
     with_respiratory_motion=line_breathing.csv without=line_still.csv
+}
+
+# Figure 6: a needle that is held in the liver of a patient who breathes: end expiration, mid inspiration, end inspiration,
+# mid expiration. Volume of bone and surfaces, from the patient's right and above.
+figure_6() {
+  along_line held 5.01 'function depth(t) { return -5 + 65 * clamp(t / 1.5) } function lean(t) { return 37 }'
+  in_ct run_held held --set "/effects/breathing/motion=$PWD/motion_deep_surrogate" --set /effects/breathing/pattern/exponent=1 \
+    --set '/effects/view_3d={"layers":[{"preset":"bone"}],"surfaces":[{"tissue":"skin","opacity":0.15},{"tissue":"liver","opacity":0.3},{"tissue":"lesion"},{"tissue":"gallbladder"},{"tissue":"vessel"}],"probe":false,"rate_hz":1,"width_px":300,"height_px":300,"camera":{"eye_mm":[-560,-640,230],"focus_mm":[-60,-60,140],"view_angle_deg":18}}'
+  local frame=run_held/frames/view_3d_0000
+  sheet figure_6.png ${frame}2.png ${frame}3.png ${frame}4.png ${frame}5.png
 }
 
 # Figure 8: a thin needle in the plane of its line. Above, the hand leans after 10 mm; below, the patient breathes out

@@ -113,8 +113,8 @@ class Scope(dict):
         return FUNCTIONS[name] if name in FUNCTIONS else self.facts[name]
 
 
-def each(row):
-    """A row with `each`, a list of tables of words, is one for each of them: <word> stands for its text."""
+def each(row, template):
+    """A row with `each`, a list of tables of words or the template's name of one, is one for each: <word> stands for its text."""
     def put(value, words):
         if isinstance(value, str):
             return re.sub(r"<(\w+)>", lambda match: words[match[1]], value)
@@ -122,14 +122,15 @@ def each(row):
             return [put(item, words) for item in value]
         return {key: put(item, words) for key, item in value.items()}
     rest = {key: value for key, value in row.items() if key != "each"}
-    return [put(rest, words) for words in row["each"]] if "each" in row else [row]
+    lists = row.get("each")
+    return [row] if lists is None else [put(rest, words) for words in (template[lists] if isinstance(lists, str) else lists)]
 
 
 def read_template(path):
     with open(path, "rb") as file:
         template = tomllib.load(file)
     for name, table_rows in template.get("table", {}).items():
-        template["table"][name] = [one for row in table_rows for one in each(row)]
+        template["table"][name] = [one for row in table_rows for one in each(row, template)]
     return template
 
 

@@ -1,6 +1,7 @@
 // Repeats figures 14, 15, 19 and 20 of Alamilla-2021 by simulation: alamilla_figures OUT_FOLDER
 #include <filesystem>
 #include <iostream>
+#include <string>
 
 #include "acus/base/core/error.h"
 #include "acus/base/report/svg_plot.h"
@@ -32,7 +33,7 @@ double Follow(const std::vector<Knot>& knots, double t) {
   return value;
 }
 
-Plot PlotOf(const char* title, const char* y_label) {
+Plot PlotOf(const std::string& title, const char* y_label) {
   Plot plot;
   plot.title = title;
   plot.x_label = "time [s]";
@@ -97,12 +98,18 @@ void DrawInsertions(const std::filesystem::path& folder) {
       {"turned",
        {{0.0, -3}, {2.5, 30}, {3.0, 17}, {4.4, 17}, {4.95, 37}, {5.3, 37}, {6.3, -4}},
        {{0.0, 0}, {3.0, 0}, {4.3, 7}, {4.95, 7}, {6.3, 10}}}};
+  Plot moved[2];
   Plot clamping[2];
   Plot cutting[2];
   for (int n = 0; n < 2; ++n) {
     const Insertion& insertion = insertions[n];
-    clamping[n] = PlotOf(insertion.name, "clamping [N]");
-    cutting[n] = PlotOf(insertion.name, "axial force [N]");
+    const std::string name = insertion.name;
+    moved[n] = PlotOf("Displacement of the tip, " + name + " insertion", "displacement [mm]");
+    Series axes[] = {{.name = "across, in the plane of turning"},
+                     {.name = "across it"},
+                     {.name = "into the body"}};
+    clamping[n] = PlotOf("Clamping, " + name + " insertion", "clamping [N]");
+    cutting[n] = PlotOf("Cutting and friction, " + name + " insertion", "axial force [N]");
     Series sideways{.name = "force across the path"};
     Series torque{.name = "torque / 100 mm"};
     Series wall{.name = "cutting (above 0), withdrawal (below)"};
@@ -116,8 +123,12 @@ void DrawInsertions(const std::filesystem::path& folder) {
       const double unsteady_mm = 0.4 * std::sin(9.0 * t) * std::sin(2.3 * t);
       needle.axis = {std::sin(angle), 0.0, std::cos(angle)};
       // The hand turns the needle about where it entered the skin.
-      const NeedleForce& out =
-          needle.Step(t, depth_mm * needle.axis + unsteady_mm * Vector3d::UnitY());
+      const Vector3d tip_mm = depth_mm * needle.axis + unsteady_mm * Vector3d::UnitY();
+      const NeedleForce& out = needle.Step(t, tip_mm);
+      for (int k = 0; k < 3; ++k) {
+        axes[k].x.push_back(t);
+        axes[k].y.push_back(tip_mm[k]);
+      }
       for (Series* series : {&sideways, &torque, &wall, &friction}) series->x.push_back(t);
       sideways.y.push_back(out.lateral_n);
       torque.y.push_back(0.01 * out.torque_in_ct_n_mm.norm());
@@ -127,10 +138,13 @@ void DrawInsertions(const std::filesystem::path& folder) {
         cutting[n].marks.push_back({t, std::string(NameOf(out.event))});
       }
     }
+    moved[n].series.assign(std::begin(axes), std::end(axes));
     clamping[n].series = {sideways, torque};
     cutting[n].series = {wall, friction};
   }
   for (int n = 0; n < 2; ++n) {
+    WriteSvg(folder / ("alamilla_18_displacement_" + std::string(insertions[n].name) + ".svg"),
+             moved[n]);
     WriteSvg(folder / ("alamilla_19_clamping_" + std::string(insertions[n].name) + ".svg"),
              clamping[n]);
     WriteSvg(folder / ("alamilla_20_cutting_" + std::string(insertions[n].name) + ".svg"),

@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
   }
   try {
     acus::report::Plot plot;
-    plot.title = "Force on the needle by model of the tissue model";
+    plot.title = "Force on the needle over depth, by tissue model";
     plot.x_label = "depth [mm]";
     plot.y_label = "axial force [N]";
     plot.height_px = 420;

@@ -1,10 +1,15 @@
 // Panels of ultrasound for the documentation, from a folder that acus-phantom made:
 //   ultrasound_figures PATIENT PROBE.json FIGURE OUT.png
 // FIGURE: models - the same moment by every model; vidal, alamilla, beams - the effects of one
-// model, one after the other; expensive - the more expensive effects of the beams.
+// model, one after the other; expensive - the more expensive effects of the beams; vidal_7,
+// alamilla_6, alamilla_9_10 - figures of the papers.
+#include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <numbers>
+#include <utility>
 
 #include "acus/base/config/json_file.h"
 #include "acus/base/config/pose_json.h"
@@ -87,6 +92,7 @@ GrayImage Joined(const std::vector<Panel>& panels, int columns) {
   out.Resize(columns * width, rows * height);
   for (std::size_t n = 0; n < panels.size(); ++n) {
     GrayImage image = panels[n].image;
+    std::fill_n(image.pixels.begin(), 24 * width, std::uint8_t{0});  // Behind the title.
     ultrasound::DrawText(image, 8, 8, panels[n].title, 255, 0.9);
     const int left = static_cast<int>(n) % columns * width;
     const int top = static_cast<int>(n) / columns * height;
@@ -215,10 +221,81 @@ std::vector<Panel> VidalSteps(const Moment& m) {
   return panels;
 }
 
-std::vector<Panel> AlamillaSteps(const Moment& m) {
-  auto options = ultrasound::ReadAlamillaOptions(Acoustics("alamilla_2021.json"));
+/// Figure 7 of Vidal-2008: mask and noise are images of a look-up table that is white.
+std::vector<Panel> VidalFigure7(const Moment& m) {
+  const auto all = ultrasound::ReadVidalOptions(Acoustics("vidal_2008.json"));
+  auto options = all;
+  options.noise = options.reflections = false;
+  options.grey = {{-1000.0, 1.0}, {3000.0, 1.0}};
+  std::vector<Panel> panels{{"A: slice", CtSlice(m)}, {"B: shadow mask", Vidal(m, options)}};
+  options.shadow = false;
+  options.noise = true;
+  panels.push_back({"C: noise", Vidal(m, options)});
+  options.shadow = true;
+  options.grey = {{-200.0, 0.0}, {300.0, 1.0}};
+  panels.push_back({"D: the three multiplied", Vidal(m, options)});
+  panels.push_back({"E: table, reflections, contrast", Vidal(m, all)});
+  return panels;
+}
+
+ultrasound::AlamillaOptions AlamillaSlice(const char* acoustics = "alamilla_2021.json") {
+  auto options = ultrasound::ReadAlamillaOptions(Acoustics(acoustics));
   options.reflection = options.shadow = options.absorption = options.speckle = false;
   options.fibres = false;
+  return options;
+}
+
+/// Figure 6 of Alamilla-2021, each stage on the slice.
+std::vector<Panel> AlamillaFigure6(const Moment& m) {
+  auto options = AlamillaSlice();
+  std::vector<Panel> panels{{"init: slice", Alamilla(m, options)}};
+  options.reflection = options.shadow = true;
+  panels.push_back({"a: reflection, shadow", Alamilla(m, options)});
+  options = AlamillaSlice("alamilla_2021_examples.json");
+  options.speckle = options.fibres = true;
+  panels.push_back({"b: texture of examples", Alamilla(m, options)});
+  options = AlamillaSlice();
+  options.speckle = options.absorption = true;
+  panels.push_back({"c: noise, absorption", Alamilla(m, options)});
+  options.fibres = true;
+  panels.push_back({"d: blur along the fibres", Alamilla(m, options)});
+  options.reflection = options.shadow = true;
+  panels.push_back({"e: all", Alamilla(m, options)});
+  return panels;
+}
+
+/// Figures 9 and 10 of Alamilla-2021: fibres of muscle along and across the image; muscle as thin
+/// fibres, by the grain of the noise that is blurred.
+std::vector<Panel> AlamillaFibres(const Moment& m) {
+  Moment turned = m;
+  turned.ct_from_probe.rotate(Eigen::AngleAxisd(std::numbers::pi / 2.0, Eigen::Vector3d::UnitY()));
+  turned.needle.length_mm = 0.0;
+  auto options = ultrasound::ReadAlamillaOptions(Acoustics("alamilla_2021.json"));
+  std::vector<Panel> panels{{"9: along the fibres", Alamilla(m, options)},
+                            {"9: across them", Alamilla(turned, options)}};
+  for (const auto& [title, grain_mm] : {std::pair{"10: grains of 0.25 mm", 0.25},
+                                        {"10: grains of 0.5 mm", 0.5},
+                                        {"10: grains of 1 mm", 1.0},
+                                        {"10: grains of 2 mm", 2.0}}) {
+    for (auto& tissue : options.tissues) {
+      if (tissue.tissue != "muscle") continue;
+      tissue.texture = ultrasound::TissueTexture::kThinFibres;
+      tissue.grain_mm = grain_mm;
+    }
+    panels.push_back({title, Alamilla(m, options)});
+  }
+  return panels;
+}
+
+/// The shallow half of a linear probe's image, without its margins.
+Moment Shallow(Moment m) {
+  m.probe.depth_mm = 50.0;
+  m.probe.image_width_px = 260;
+  return m;
+}
+
+std::vector<Panel> AlamillaSteps(const Moment& m) {
+  auto options = AlamillaSlice();
   std::vector<Panel> panels{{"labels in grey", Alamilla(m, options)}};
   options.speckle = true;
   panels.push_back({"+ Perlin speckle", Alamilla(m, options)});
@@ -232,11 +309,14 @@ std::vector<Panel> AlamillaSteps(const Moment& m) {
 void Run(const fs::path& patient, const fs::path& probe, const std::string& figure,
          const fs::path& out) {
   const Moment moment = MomentOf(patient, probe);
-  const auto panels = figure == "models"      ? Models(moment)
-                      : figure == "vidal"     ? VidalSteps(moment)
-                      : figure == "beams"     ? BeamSteps(moment)
-                      : figure == "expensive" ? ExpensiveSteps(moment)
-                                              : AlamillaSteps(moment);
+  const auto panels = figure == "models"          ? Models(moment)
+                      : figure == "vidal"         ? VidalSteps(moment)
+                      : figure == "beams"         ? BeamSteps(moment)
+                      : figure == "expensive"     ? ExpensiveSteps(moment)
+                      : figure == "vidal_7"       ? VidalFigure7(moment)
+                      : figure == "alamilla_6"    ? AlamillaFigure6(Shallow(moment))
+                      : figure == "alamilla_9_10" ? AlamillaFibres(Shallow(moment))
+                                                  : AlamillaSteps(moment);
   image::WritePng(out, Joined(panels, panels.size() > 4 ? 3 : 2));
 }
 
@@ -246,8 +326,8 @@ void Run(const fs::path& patient, const fs::path& probe, const std::string& figu
 int main(int argc, char** argv) {
   if (argc != 5) {
     std::cerr
-        << "usage: ultrasound_figures PATIENT PROBE.json models|vidal|alamilla|beams|expensive "
-           "OUT.png\n";
+        << "usage: ultrasound_figures PATIENT PROBE.json models|vidal|alamilla|beams|expensive|"
+           "vidal_7|alamilla_6|alamilla_9_10 OUT.png\n";
     return 2;
   }
   try {
