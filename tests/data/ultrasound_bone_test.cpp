@@ -9,6 +9,7 @@
 
 #include "acus/data/mesh/surface_io.h"
 #include "acus/imaging/ultrasound/aperture/aperture_renderer.h"
+#include "acus/imaging/ultrasound/display/auto_gain.h"
 #include "support/leg_measures.h"
 #include "support/shared_data.h"
 
@@ -162,6 +163,7 @@ TEST(BoneInUltrasound, SimulatedFramesLieBetweenTheQuartilesOfTheRecordedOnes) {
   const SimulatedLeg leg;
   LegMeasures recorded[2];
   LegMeasures simulated[2];
+  std::vector<double> gain_change_db;
   std::size_t n = 0;
   for (const LegFrame& frame : testing_support::LegFrames(*folder)) {
     const std::size_t half = n++ % 2;
@@ -169,9 +171,18 @@ TEST(BoneInUltrasound, SimulatedFramesLieBetweenTheQuartilesOfTheRecordedOnes) {
     if (bone.columns() < 80) continue;
     const cv::Mat real = cv::imread(frame.image.string(), cv::IMREAD_GRAYSCALE);
     ASSERT_EQ(real.cols, kWidthPx) << frame.image;
+    gain_change_db.push_back(
+        AutoGainChangeDb({.width = real.cols,
+                          .height = real.rows,
+                          .pixels = {real.begin<std::uint8_t>(), real.end<std::uint8_t>()}},
+                         leg.probe.dynamic_range_db));
     Measure(real, bone.surface, recorded[half]);
     Measure(leg.Frame(bone.labels), bone.surface, simulated[half]);
   }
+  // The person who recorded them had chosen the gain that the automatic one takes for right.
+  EXPECT_NEAR(MedianOf(gain_change_db), 0.0, 1.0);
+  EXPECT_GT(QuantileOf(gain_change_db, 0.25), -4.0);
+  EXPECT_LT(QuantileOf(gain_change_db, 0.75), 4.0);
   ExpectBetweenQuartiles(recorded[1], simulated[1], {});
   // Looked at once, when everything had been chosen on the other half: five lie outside.
   ExpectBetweenQuartiles(recorded[0], simulated[0],

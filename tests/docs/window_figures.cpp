@@ -19,8 +19,9 @@
 #include "acus/data/volume/volume_io.h"
 #include "acus/imaging/fluoroscopy/fluoroscope.h"
 #include "acus/imaging/slicing/ct_slice.h"
-#include "acus/imaging/ultrasound/beams/beam_renderer.h"
+#include "acus/imaging/ultrasound/aperture/aperture_renderer.h"
 #include "acus/scene/effects/view_3d/patient_surfaces.h"
+#include "acus/window/marks.h"
 #include "acus/window/orbit.h"
 #include "acus/window/volume_renderer.h"
 #include "acus/window/window.h"
@@ -123,16 +124,12 @@ Demo Load(const fs::path& patient) {
   const CsvTable target(patient / "target_ct.csv");
   demo.frame.target_in_ct_mm = Eigen::Vector3d(target.Numbers("x_mm")[0], target.Numbers("y_mm")[0],
                                                target.Numbers("z_mm")[0]);
-  acoustics::Probe probe = acoustics::ReadProbe(kConfigs / "probes/curvilinear_c5.json");
-  probe.frequency_mhz = 3.5;
-  probe.gain_db = 22.0;
-  probe.tgc_db_per_cm = 4.0;
+  const acoustics::Probe probe = acoustics::ReadProbe(kConfigs / "probes/curvilinear_c5_2.json");
   const auto table = acoustics::ReadTissueAcoustics(kConfigs / "acoustics/tissues.json");
-  ultrasound::BeamOptions options;
-  options.coupling_gap_mm = 10.0;
   window::DisplayFrame& frame = demo.frame;
-  ultrasound::BeamRenderer({.labels = &demo.labels, .acoustics = &table}, probe, options)
-      .Render(*frame.ct_from_probe, frame.needle, frame.ultrasound.image);
+  frame.tip_to_target_mm = window::ImagedTipToTargetMm(frame);
+  ultrasound::ApertureRenderer({.labels = &demo.labels, .acoustics = &table}, probe, {})
+      .Render(*frame.ct_from_probe, frame.needle, frame.ultrasound.image, 2);
   frame.ultrasound.probe = std::make_shared<acoustics::Probe>(probe);
   slicing::CtSliceRenderer(*ct, acoustics::ImageOf(probe), 1.0)
       .Render(*frame.ct_from_probe, frame.needle, frame.ct_slice);

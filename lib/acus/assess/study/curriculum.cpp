@@ -57,9 +57,14 @@ StepState StateOf(const CurriculumStep& step, const std::string& code,
   return state;
 }
 
-std::string WordOf(const StepState& state) {
-  if (state.mastered) return "mastered";
+std::string WordOf(const CurriculumStep& step, const StepState& state) {
+  if (state.mastered) return step.RequiresNothing() ? "done" : "mastered";
   return state.open ? "open" : "locked";
+}
+
+std::string AllText(const Curriculum& curriculum) {
+  return std::ranges::any_of(curriculum.steps, &CurriculumStep::RequiresNothing) ? "all done"
+                                                                                 : "all mastered";
 }
 
 std::string NextText(const CurriculumStep& step, const StepState& state) {
@@ -160,15 +165,15 @@ std::string CurriculumText(const Curriculum& curriculum, std::span<const TrialRe
     const auto next = NextStep(states);
     std::vector<std::vector<std::string>> rows;
     for (std::size_t n = 0; n < states.size(); ++n) {
-      rows.push_back({curriculum.steps[n].title, WordOf(states[n]),
+      rows.push_back({curriculum.steps[n].title, WordOf(curriculum.steps[n], states[n]),
                       std::to_string(states[n].trials),
                       states[n].trials > 0 ? FixedText(states[n].best_score_percent, 0) : "-",
                       Message(states[n].longest_row, " of ", curriculum.steps[n].in_a_row)});
     }
     text += Message(
         "\n", code.empty() ? "-" : code, ": ",
-        next ? "next: " + NextText(curriculum.steps[*next], states[*next]) : "all mastered", "\n",
-        TextTable({"exercise", "state", "trials", "best score [%]", "in a row"}, rows));
+        next ? "next: " + NextText(curriculum.steps[*next], states[*next]) : AllText(curriculum),
+        "\n", TextTable({"exercise", "state", "trials", "best score [%]", "in a row"}, rows));
   }
   return text;
 }
@@ -191,8 +196,9 @@ json CurriculumJson(const Curriculum& curriculum, std::span<const TrialRecord> t
     const auto states = ProgressOf(curriculum, code, trials);
     const auto next = NextStep(states);
     json list = json::array();
-    for (const StepState& state : states) {
-      list.push_back({{"state", WordOf(state)},
+    for (std::size_t n = 0; n < states.size(); ++n) {
+      const StepState& state = states[n];
+      list.push_back({{"state", WordOf(curriculum.steps[n], state)},
                       {"trials", state.trials},
                       {"best_score_percent", state.best_score_percent},
                       {"longest_row", state.longest_row},

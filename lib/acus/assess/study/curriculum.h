@@ -23,6 +23,9 @@ struct CurriculumStep {
   double goals_met_percent = 100.0;
   int in_a_row = 2;
   std::optional<double> time_limit_s;  ///< Limit of a session.
+
+  /// Any trial meets the criteria: the step is done then, not mastered.
+  bool RequiresNothing() const { return score_percent <= 0.0 && goals_met_percent <= 0.0; }
 };
 
 struct Curriculum {

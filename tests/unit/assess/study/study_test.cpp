@@ -348,6 +348,17 @@ TEST_F(StudyTest, ACurriculumOpensStepsAsTheyAreMastered) {
   EXPECT_EQ(ProgressOf(curriculum, "B", trials)[0].trials, 0);
 }
 
+TEST_F(StudyTest, AStepThatAnyTrialMeetsIsDoneAndNotMastered) {
+  WriteTextFile(folder_ / "curriculum.json", R"({
+    "format": "acus-curriculum/1", "name": "One", "steps": [
+      {"exercise": "a.json", "mastery": {"score_percent": 0, "goals_met_percent": 0, "in_a_row": 1}}]})");
+  const Curriculum curriculum = ReadCurriculum(folder_ / "curriculum.json");
+  const std::vector<TrialRecord> trials = {Scored("Exercise a", 0.0)};
+  EXPECT_EQ(CurriculumJson(curriculum, trials, {"A"})["trainees"]["A"]["steps"][0]["state"],
+            "done");
+  EXPECT_THAT(CurriculumText(curriculum, trials, {"A"}), HasSubstr("A: all done"));
+}
+
 TEST_F(StudyTest, AStepWithCasesCountsTrialsOfAllAndDrawsTheNextOne) {
   WriteTextFile(folder_ / "cases.csv", "exercise,difficulty\nb.json,0.2\nc.json,0.6\n");
   WriteTextFile(folder_ / "curriculum.json", R"({
