@@ -47,6 +47,34 @@ departures_augmented_2010() {
   replay images_boosted patient $session "${common[@]}" "${stills_only[@]}" --set "/effects/ultrasound/acoustics=$PWD/boosted.json"
   fact boosted $threshold
   grey_facts boosted images images_boosted
+  probe_by_finite_elements
+}
+# The same probe by finite elements in three dimensions: on a mesh of the patient that is condensed below it; five
+# minutes of CPU and 5 GB. The beam of the needle is not in it.
+probe_by_finite_elements() {
+  local press_mm=8
+  sed 's/"finest_mm": [0-9.]*, "nodes": [0-9]*/"finest_mm": 4, "nodes": 20000/' "$root/configs/meshes/tissue.json" >mesh.json
+  acus-mesh patient/labels.seg.nrrd --config mesh.json --corridor patient/corridor_ct.csv --probe-at="$(probe_at 7.6)" --condense -o mesh \
+    --overwrite --quiet >mesh.txt
+  shortened patient/sessions/lumbar_puncture scan 8
+  local probe=(--ct patient/ct.nrrd --set "/patient/corridor=$PWD/patient/corridor_ct.csv" --set "/effects/probe_force/press_mm=$press_mm")
+  replay probe_vidal patient scan "${probe[@]}" "${no_images[@]}"
+  replay probe_elements patient scan "${probe[@]}" "${no_images[@]}" --set "/patient/mesh=$PWD/mesh" --set /effects/needle=null \
+    --set '/effects/tissue={"model": "fe_3d", "fe_3d": {"probe_contact": true}}' --set /effects/probe_force/model=tissue
+  fact probe_mesh_nodes "$(sed -n 's/^Mesh: \([0-9]*\) nodes.*/\1/p' mesh.txt)"
+  fact probe_press_mm $press_mm
+  fact probe_vidal_n "$(number probe_vidal "largest probe force")"
+  fact probe_elements_n "$(number probe_elements "largest probe force")"
+}
+# probe_at SECONDS: where its face is then, x,y,z in CT space.
+probe_at() {
+  /usr/bin/python3 -B - "$1" <<'PYTHON'
+import csv, json, sys
+reference_from_ct = json.load(open("patient/truth.json"))["reference_from_ct"]
+row = next(r for r in csv.DictReader(open("patient/sessions/lumbar_puncture/probe.csv")) if float(r["time_s"]) >= float(sys.argv[1]))
+offset = [float(row[f"{axis}_mm"]) - reference_from_ct[k][3] for k, axis in enumerate("xyz")]
+print(",".join(f"{sum(reference_from_ct[k][c] * offset[k] for k in range(3)):.1f}" for c in range(3)))
+PYTHON
 }
 
 # aside SESSION FOLDER MM: the session with its probe moved along its face.

@@ -2,10 +2,13 @@
 import importlib.machinery
 import importlib.util
 import math
+import os
 import pathlib
 import random
 import re
+import subprocess
 import sys
+import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -115,6 +118,51 @@ class Load(unittest.TestCase):
         self.assertIn("40 % of the machine's 2 cores", rows.load_of(rows.Facts(idle | {"others_percent": 40.0})))
         self.assertIn("not for print", rows.load_of(rows.Facts(idle | {"quick": 1.0})))
         self.assertIn("not recorded", rows.load_of(rows.Facts({})))
+
+
+class Limits(unittest.TestCase):
+    """What a row of table 2 may take: peak.py, and the row that says why there is no number."""
+
+    def run_peak(self, at_most, *command):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "peak"
+            code = subprocess.run([sys.executable, PAGES / "peak.py", path, *command], check=False,
+                                  env=os.environ | {"AT_MOST": at_most}).returncode
+            return code, path.read_text(encoding="utf-8").strip()
+
+    def test_a_command_has_its_code_and_its_memory(self):
+        code, memory = self.run_peak("inf inf", sys.executable, "-c", "import sys; block = bytearray(64 << 20); sys.exit(3)")
+        self.assertEqual(code, 3)
+        self.assertGreater(float(memory), 64)
+
+    def test_a_command_that_takes_too_much_is_ended(self):
+        self.assertEqual(self.run_peak("inf 0.2", "sleep", "600"), (75, "more than 0.2 s"))
+        greedy = "import time; block = bytearray(200 << 20); time.sleep(600)"
+        self.assertEqual(self.run_peak("100 inf", sys.executable, "-c", greedy), (75, "more than 100 MB"))
+
+    def test_its_row_says_so(self):
+        template = rows.read_template(PAGES / "fortmeier_2016.toml")
+        facts = {"width_px": 2.0, "height_px": 1.0, "layer": "skin", "key_frame_256_large_over": "more than 100 MB"}
+        template["table"]["volume"] = [row for row in template["table"]["volume"] if row["if"] == "key_frame_256_large_over"]
+        self.assertEqual([row[4] for row in rows.table(template, rows.Facts(facts), "volume")], ["the run was ended: more than 100 MB"])
+
+
+class Plots(unittest.TestCase):
+    def plot(self, text):
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "a.csv").write_text(text, encoding="utf-8")
+            subprocess.run(["bash", "-c", f"source '{PAGES}/common.sh'; plot a.svg title x y name=a.csv"], check=True, cwd=folder)
+            return (pathlib.Path(folder) / "a.svg").read_text(encoding="utf-8")
+
+    def test_ticks_are_round_numbers_within_the_data(self):
+        svg = self.plot("-142,99.2\n-87.4,113\n")
+        self.assertEqual(re.findall(r'text-anchor="middle">([^<]*)', svg), ["-140", "-130", "-120", "-110", "-100", "-90"])
+        self.assertEqual(re.findall(r'text-anchor="end">([^<]*)', svg), ["100", "105", "110"])
+        self.assertEqual(re.findall(r'text-anchor="end">([^<]*)', self.plot("0,-0.3\n1,0.3\n")), ["-0.3", "-0.2", "-0.1", "0", "0.1", "0.2", "0.3"])
+
+    def test_an_empty_line_begins_another_line(self):
+        lines = re.findall(r'points="([^"]*)"', self.plot("0,0\n1,1\n\n2,0\n3,1\n"))
+        self.assertEqual([len(line.split()) for line in lines], [2, 2])
 
 
 def paper_pages_module():

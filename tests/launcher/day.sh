@@ -141,8 +141,8 @@ sessions_are 2 discarded || fail "the repeated session is not marked"
 sleep 0.3 && shot next_morning
 close_launcher
 
-# What was recorded is all there, and what counts is what was kept.
-[[ $(find work/sessions -name needle.csv -size +1k | wc -l) == 6 ]] || fail "a recording is missing"
+# What was recorded is all there (a second on a busy machine is a few rows), and what counts is what was kept.
+[[ $(find work/sessions -name needle.csv -size +300c | wc -l) == 6 ]] || fail "a recording is missing"
 acus-training curriculum work/curriculum.json --trials work/sessions --trainee N1,N2,E1,E2 >curriculum.txt
 cat curriculum.txt
 for line in "E1" "E2" "N1" "N2"; do
