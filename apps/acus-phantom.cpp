@@ -30,12 +30,15 @@ int main(int argc, char** argv) {
       "patient", "CT, label map, truth, markers, target, force curves and a session at 1 kHz");
   const char* kinds =
       "lumbar (puncture at L3/L4), liver (biopsy of a lesion), liver_ptc (drainage of a bile "
-      "duct), kidney (nephrostomy), shoulder (puncture of the bursa), and shoulder_effusion, "
-      "shoulder_calcification, shoulder_tear";
+      "duct), kidney (puncture of its lower half), shoulder (puncture of the bursa), and "
+      "shoulder_effusion, "
+      "shoulder_calcification, shoulder_tear; bursa_injection, nephrostomy (dilated renal pelvis) "
+      "and liver_cyst, for these procedures";
   patient->add_option("kind", kind, kinds)
       ->required()
       ->check(CLI::IsMember({"lumbar", "liver", "liver_ptc", "kidney", "shoulder",
-                             "shoulder_effusion", "shoulder_calcification", "shoulder_tear"}));
+                             "shoulder_effusion", "shoulder_calcification", "shoulder_tear",
+                             "bursa_injection", "nephrostomy", "liver_cyst"}));
   CLI::App* scene = app.add_subcommand(
       "scene", "Markers, target and a session on the label map of any patient; finds a free path");
   scene->add_option("labels", labels_path, "Label map, such as acus-segment's labels.seg.nrrd")

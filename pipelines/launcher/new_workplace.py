@@ -29,6 +29,12 @@ TRIED_S = 3
 SYSTEMS = {
     "": {"scenario": "lumbar_puncture", "kind": "lumbar", "exercise": "lumbar_puncture"},
     "epidural": {"kind": "lumbar", "exercise": "epidural"},
+    "epidural_narrow": {"scenario": "epidural", "kind": "lumbar", "exercise": "epidural",
+                        "phantom": ["--config", str(CONFIGS / "phantoms/lumbar_narrow.json")]},
+    "spinal": {"kind": "lumbar", "exercise": "spinal"},
+    "bursa_injection": {"kind": "bursa_injection", "exercise": "bursa_injection"},
+    "nephrostomy": {"kind": "nephrostomy", "exercise": "nephrostomy"},
+    "liver_cyst": {"kind": "liver_cyst", "exercise": "liver_cyst"},
     # Face down in the mannequin that the stand-in camera sees.
     "augmented_2010": {"kind": "lumbar", "exercise": "spinal_needle_2010", "camera": True,
                        "phantom": ["--config", str(CONFIGS / "phantoms/lumbar_prone.json")]},
@@ -39,7 +45,8 @@ SYSTEMS = {
     "fortmeier_2016": {"kind": "liver_ptc", "exercise": "bile_duct_drainage", "breathes": True,
                        "without": ["fluoroscopy", "view_3d"], "views": "ultrasound,3d,volume,ct"},
 }
-SYSTEMS_OF_PAPERS = [name for name in SYSTEMS if name not in ("", "epidural")]
+PROCEDURES = ["epidural", "epidural_narrow", "spinal", "bursa_injection", "nephrostomy", "liver_cyst"]
+SYSTEMS_OF_PAPERS = [name for name in SYSTEMS if name not in ("", *PROCEDURES)]
 
 
 def program(name, *arguments, cwd=None):
@@ -219,7 +226,8 @@ def numbers(text):
 def arguments_of(words):
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=pathlib.Path)
-    parser.add_argument("--paper", default="")
+    for name in ("paper", "procedure"):
+        parser.add_argument(f"--{name}", default="")
     for name in ("model", "exercise", "devices", "ct", "labels", "session"):
         parser.add_argument(f"--{name}")
     for name in ("point", "direction"):
@@ -229,10 +237,13 @@ def arguments_of(words):
 
 def run(words):
     given = arguments_of(words)
-    if given.paper not in SYSTEMS:
-        print(f"pipelines/live-session: --paper must be one of {', '.join(SYSTEMS_OF_PAPERS)}; got '{given.paper}'",
-              file=sys.stderr)
-        return 2
+    for option, allowed in (("paper", SYSTEMS_OF_PAPERS), ("procedure", PROCEDURES)):
+        name = getattr(given, option)
+        if name and name not in allowed:
+            print(f"pipelines/live-session: --{option} must be one of {', '.join(allowed)}; got '{name}'",
+                  file=sys.stderr)
+            return 2
+    system = given.paper or given.procedure
     folder = given.folder.resolve()
     try:
         for name in ("exercises", "sessions"):
@@ -240,8 +251,8 @@ def run(words):
         if given.model:
             make_own(folder, given)
         else:
-            make_patient(folder, SYSTEMS[given.paper])
-            write_system(folder, given.paper)
+            make_patient(folder, SYSTEMS[system])
+            write_system(folder, system)
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)  # Whole or not at all.
         raise

@@ -63,7 +63,8 @@ for paper in new_workplace.SYSTEMS:
     for name in ("patient", "registration"):
         (folder / name).symlink_to(pathlib.Path("work", name).resolve())
     new_workplace.write_system(folder, paper)
-    preset = read_json_object(new_workplace.CONFIGS / f"scenarios/{paper or 'lumbar_puncture'}.json")
+    name = new_workplace.SYSTEMS[paper].get("scenario", paper)
+    preset = read_json_object(new_workplace.CONFIGS / f"scenarios/{name}.json")
     made = read_json_object(folder / "scenario.json")
     assert made["effects"]["ultrasound"] == preset["effects"]["ultrasound"], paper
 # What would not start is said. The last one is overwritten.
@@ -76,8 +77,11 @@ else:
     raise AssertionError("an empty scenario starts")
 PYTHON
 
-# An epidural puncture by loss of resistance.
+# An epidural puncture by loss of resistance, and a spinal one.
 play_demonstration paper_epidural play_epidural
+play_demonstration paper_spinal play_spinal
+expect 2 "must be one of epidural, .*; got 'x'" "$launcher" --text --new no --procedure x
+expect 2 "goes with --new, without --paper" "$launcher" --text --procedure spinal work
 [[ ! -e no ]] || fail "half a workplace was left behind"
 
 # Two starts in one second: each has its folder.

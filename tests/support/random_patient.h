@@ -60,6 +60,8 @@ inline SchemaSampler ScenarioSampler() {
       {"/effects/fluid/epidural", {"epidural_lumbar"}},
       {"/effects/fluid/subarachnoid", {"spinal_canal"}},
       {"/effects/fluid/vessel", {"vein", "artery"}},
+      {"/effects/fluid/tissues", {json::object(), {{"lesion", "cyst"}}}},
+      {"/effects/fluid/space", {"", "cyst"}},
       {"/effects/pain_reaction/tissues", {{"skin"}, {"skin", "liver", "bone"}, json::array()}}};
   return {scenario::ScenarioSchema(), choices};
 }

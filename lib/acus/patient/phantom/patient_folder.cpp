@@ -18,6 +18,9 @@
 namespace acus::phantom {
 namespace {
 
+/// For exercises/spinal.json, where the path leads to the spinal canal: the stylet is removed.
+const FluidDemonstration kSpinalDemonstration{.exercise = "spinal", .plunger_n = -2, .hold_s = 15};
+
 using Eigen::Vector3d;
 using Json = nlohmann::json;
 
@@ -76,11 +79,19 @@ Insertion WriteInsertion(const std::filesystem::path& folder, const PatientField
       PlayScript(field, plan, DemonstrationOf(field, plan, config.session),
                  config.markers.reference_from_ct, context);
   session::WriteSession(folder / kDemonstration, demonstration.session, context);
+  std::vector<FluidDemonstration> demonstrations = config.session.demonstrations;
   if (const auto epidural = EpiduralDemonstrationOf(field, plan, config.session)) {
     session::WriteSession(
         folder / epidural->name,
         PlayScript(field, plan, *epidural, config.markers.reference_from_ct, context).session,
         context);
+    demonstrations.push_back(kSpinalDemonstration);
+  }
+  for (const FluidDemonstration& fluid : demonstrations) {
+    const SessionSettings shown = FluidDemonstrationOf(field, plan, config.session, fluid);
+    session::WriteSession(
+        folder / shown.name,
+        PlayScript(field, plan, shown, config.markers.reference_from_ct, context).session, context);
   }
   Json events = Json::array();
   for (const NeedleEvent& event : scripted.events) {

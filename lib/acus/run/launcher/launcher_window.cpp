@@ -42,7 +42,13 @@ struct Template {
 const std::vector<Template>& Templates() {
   static const std::vector<Template> all = {
       {Marked("Lumbar puncture"), "lumbar", {}},
-      {Marked("Epidural puncture by loss of resistance"), "epidural", {"--epidural"}},
+      {Marked("Epidural puncture by loss of resistance"), "epidural", {"--procedure", "epidural"}},
+      {Marked("Spinal puncture"), "spinal", {"--procedure", "spinal"}},
+      {Marked("Injection into the subacromial bursa"),
+       "bursa_injection",
+       {"--procedure", "bursa_injection"}},
+      {Marked("Nephrostomy"), "nephrostomy", {"--procedure", "nephrostomy"}},
+      {Marked("Aspiration of a liver cyst"), "liver_cyst", {"--procedure", "liver_cyst"}},
       {Marked("Kidney puncture"), "kidney", {"--paper", "vidal_2008"}},
       {Marked("Shoulder puncture"), "shoulder", {"--paper", "alamilla_2021"}},
       {Marked("Bile duct drainage"), "bile_duct", {"--paper", "fortmeier_2016"}},

@@ -88,5 +88,29 @@ TEST(BileDucts, AreThereOnlyIfTheyAreDilated) {
   EXPECT_EQ(dilated.LabelAt(dilated.Landmark("bile_duct")), volume::LabelOf("gallbladder"));
 }
 
+TEST(LiverCyst, TakesThePlaceOfTheLesion) {
+  BodySettings settings;
+  settings.lesion_centre_mm = Vector3d(-82, -20, 134);
+  EXPECT_EQ(Anatomy(settings, 1).LabelAt(Anatomy(settings, 1).Landmark("lesion")),
+            volume::LabelOf("lesion"));
+  settings.liver_cyst_mm = 40.0;
+  const Anatomy ill(settings, 1);
+  const Vector3d centre = ill.Landmark("cyst");
+  EXPECT_EQ(ill.MaterialAt(centre + ill.scale() * Vector3d(0, 0, 19.5)), Material::kCyst);
+  EXPECT_EQ(ill.LabelAt(centre + ill.scale() * Vector3d(0, 0, 20.5)), volume::LabelOf("liver"));
+}
+
+TEST(RenalPelvis, IsWithinTheRightKidneyIfItIsDilated) {
+  BodySettings settings;
+  for (const std::uint64_t seed : {0, 1, 2, 3}) {
+    settings.renal_pelvis_mm = 20.0;
+    const Anatomy dilated(settings, seed);
+    const Vector3d calyx = dilated.Landmark("lower_calyx");
+    EXPECT_EQ(dilated.MaterialAt(calyx), Material::kUrine) << seed;
+    settings.renal_pelvis_mm = 0.0;
+    EXPECT_EQ(Anatomy(settings, seed).LabelAt(calyx), volume::LabelOf("kidney")) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace acus::phantom

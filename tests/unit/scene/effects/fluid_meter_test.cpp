@@ -41,6 +41,24 @@ TEST(FluidMeter, MeasuresHowFarAndHowLongTheNeedleGoesOnAfterTheLoss) {
   EXPECT_THAT(meter.Findings().front(), testing::HasSubstr("at 2 s"));
 }
 
+TEST(FluidMeter, MeasuresTheMostThatWentIntoTheSpaceAndCameFromIt) {
+  FluidMeter meter("renal_pelvis");
+  for (const double space_ml : {0.0, 2.0, -3.5, -1.0}) {
+    Row row{};
+    row[static_cast<std::size_t>(FluidColumn::kSpaceMl)] = space_ml;
+    row[static_cast<std::size_t>(FluidColumn::kStyletRemovals)] = 1.0;
+    row[static_cast<std::size_t>(FluidColumn::kAspiratedMl)] = 0.5;
+    meter.Add(0.0, row);
+  }
+  EXPECT_EQ(ValueOf(meter, "injected into the space"), 2.0);
+  EXPECT_EQ(ValueOf(meter, "drawn from the space"), 3.5);
+  EXPECT_EQ(ValueOf(meter, "stylet removals"), 1.0);
+  EXPECT_EQ(ValueOf(meter, "aspirated volume"), 0.5);
+  // Nobody looks for the epidural space in a kidney.
+  EXPECT_THAT(meter.Findings().front(), testing::HasSubstr("Space: renal pelvis"));
+  EXPECT_THAT(meter.Findings(), testing::Not(testing::Contains(testing::HasSubstr("epidural"))));
+}
+
 TEST(FluidMeter, NamesAPressureThatIsUnsafeNearNerves) {
   FluidMeter meter;
   meter.Add(0.0, RowOf(120.0, 0.0, 0.0));

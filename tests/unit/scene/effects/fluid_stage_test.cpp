@@ -21,7 +21,8 @@ class Puncture {
  public:
   static constexpr double kLigamentMm = 20.0, kFatMm = 24.0, kCanalMm = 26.0;
 
-  explicit Puncture(double thumb_n, Thumb thumb = Thumb::kContinuous) {
+  explicit Puncture(double thumb_n, Thumb thumb = Thumb::kContinuous,
+                    fluid::Hub hub = fluid::Hub::kSyringe) {
     fluid::FluidTable table = Table();
     FluidSettings settings;
     settings.rows.of_label.fill(table.TissueIndex("soft_tissue"));
@@ -36,6 +37,8 @@ class Puncture {
     settings.rows.epidural = table.TissueIndex("epidural_lumbar");
     settings.rows.subarachnoid = table.TissueIndex("spinal_canal");
     settings.rows.vessel = table.TissueIndex("vein");
+    settings.rows.space = settings.rows.subarachnoid;
+    settings.hub = hub;
     settings.thumb = thumb;
     settings.thumb_n = thumb_n;
     settings.taps_per_s = 2.0;
@@ -151,6 +154,52 @@ TEST(FluidStage, TheThumbOfTheSessionInjects) {
   EXPECT_GT(puncture.Column(FluidColumn::kInjectedMl), 1.0);
 }
 
+TEST(FluidStage, CerebrospinalFluidDripsOnceTheStyletIsRemoved) {
+  Puncture puncture(0.0, Thumb::kSession, fluid::Hub::kStylet);
+  puncture.AdvanceTo(Puncture::kCanalMm + 8.0, 40.0);
+  puncture.Hold(2.0);
+  EXPECT_EQ(puncture.Column(FluidColumn::kReturnedMl), 0.0);
+  EXPECT_EQ(puncture.Column(FluidColumn::kStyletRemovals), 0.0);
+  puncture.PressBySession(-2.0);
+  puncture.Hold(5.0);
+  const double returned_ml = puncture.Column(FluidColumn::kReturnedMl);
+  EXPECT_GT(returned_ml, 0.5);
+  EXPECT_GT(puncture.Column(FluidColumn::kDropsPerMin), 60.0);
+  // What is not at the hub yet is in the needle.
+  EXPECT_NEAR(-puncture.Column(FluidColumn::kSpaceMl), returned_ml, 0.1);
+  EXPECT_GE(-puncture.Column(FluidColumn::kSpaceMl), returned_ml);
+  EXPECT_EQ(puncture.Column(FluidColumn::kStyletRemovals), 1.0);
+  EXPECT_EQ(puncture.Column(FluidColumn::kAspiratedMl), 0.0);
+  // Back in place, the stylet empties the needle and nothing runs any more.
+  puncture.PressBySession(2.0);
+  puncture.Hold(0.1);
+  const double in_all_ml = puncture.Column(FluidColumn::kReturnedMl);
+  puncture.Hold(2.0);
+  EXPECT_EQ(puncture.Column(FluidColumn::kReturnedMl), in_all_ml);
+  EXPECT_EQ(puncture.Column(FluidColumn::kStyletRemovals), 1.0);
+}
+
+TEST(FluidStage, NothingRunsFromTheHubInTheLigament) {
+  Puncture puncture(0.0, Thumb::kSession, fluid::Hub::kStylet);
+  puncture.AdvanceTo(Puncture::kLigamentMm + 2.0, 40.0);
+  puncture.PressBySession(-2.0);
+  puncture.Hold(3.0);
+  EXPECT_EQ(puncture.Column(FluidColumn::kStyletRemovals), 1.0);
+  EXPECT_EQ(puncture.Column(FluidColumn::kReturnedMl), 0.0);
+  EXPECT_EQ(puncture.Column(FluidColumn::kSpaceMl), 0.0);
+}
+
+TEST(FluidStage, APulledPlungerAspirates) {
+  Puncture puncture(0.0, Thumb::kSession);
+  puncture.AdvanceTo(Puncture::kCanalMm + 8.0, 40.0);
+  puncture.PressBySession(-8.0);
+  puncture.Hold(3.0);
+  const double aspirated_ml = puncture.Column(FluidColumn::kAspiratedMl);
+  EXPECT_GT(aspirated_ml, 1.0);
+  EXPECT_NEAR(-puncture.Column(FluidColumn::kSpaceMl), aspirated_ml, 1e-3);
+  EXPECT_EQ(puncture.Column(FluidColumn::kReturnedMl), 0.0);
+}
+
 TEST(FluidStage, TapsLeaveThePlungerBetweenThem) {
   Puncture puncture(10.0, Thumb::kTaps);
   puncture.AdvanceTo(Puncture::kLigamentMm + 1.0);
@@ -184,14 +233,19 @@ TEST(FluidStage, ADepotIsDarkEnhancesWhatIsBehindAndDisplacesTissueByItsVolume) 
   EXPECT_EQ(change_db(centre_mm - beyond_mm * Vector3d::UnitX()), 0.0);  // Before it.
   EXPECT_EQ(change_db(centre_mm + beyond_mm * Vector3d::UnitY()), 0.0);  // Beside it.
 
-  // What lies within a sphere beyond the depot is its volume less.
-  const double r_mm = depot.displaced_radius_mm + 5.0;
+  // What lies within an ellipsoid beyond the depot, of its shape, is its volume less.
+  const double r_mm = depot.width_radius_mm + 5.0;
   const Vector3d rest_mm = stage.RestInCtMm(state, centre_mm + r_mm * Vector3d::UnitY());
   const double rest_r_mm = (rest_mm - centre_mm).norm();
   const double injected_mm3 = 1000.0 * state.injected_ml;
-  const double displaced_mm3 = 4.0 / 3.0 * M_PI * (std::pow(r_mm, 3) - std::pow(rest_r_mm, 3));
+  const double flatness = depot.thickness_radius_mm / depot.width_radius_mm;
+  const double displaced_mm3 =
+      4.0 / 3.0 * M_PI * flatness * (std::pow(r_mm, 3) - std::pow(rest_r_mm, 3));
   EXPECT_GT(injected_mm3, 500.0);
   EXPECT_NEAR(displaced_mm3, injected_mm3, 0.1 * injected_mm3);  // Some is absorbed meanwhile.
+  // A flat depot opens its layers and hardly moves what is some millimetres above and below it.
+  const Vector3d above_mm = centre_mm + 2.0 * depot.width_radius_mm * Vector3d::UnitZ();
+  EXPECT_LT((stage.RestInCtMm(state, above_mm) - above_mm).norm(), 0.1);
 }
 
 // Layers of a depot are those that the needle met there, whatever is injected elsewhere later.

@@ -38,6 +38,8 @@ constexpr std::array<MaterialInfo, kNumMaterials> kMaterials = {{
     {"tendon", "tendon"},
     {"bursa", "bursa"},
     {"calcification", "bone"},
+    {"urine", "bladder"},
+    {"cyst", "gallbladder"},
 }};
 
 std::array<volume::Label, kNumMaterials> LabelTable() {

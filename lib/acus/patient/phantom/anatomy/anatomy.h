@@ -46,8 +46,10 @@ enum class Material : std::uint8_t {
   kTendon,
   kBursa,
   kCalcification,
+  kUrine,
+  kCyst,
 };
-inline constexpr int kNumMaterials = static_cast<int>(Material::kCalcification) + 1;
+inline constexpr int kNumMaterials = static_cast<int>(Material::kCyst) + 1;
 
 /// Name as in configs/phantoms and the standard label it belongs to.
 struct MaterialInfo {
@@ -78,7 +80,9 @@ struct BodySettings {
   double cortical_bone_mm = 1.5;      ///< Thickness of the dense outer layer of bone.
   Eigen::Vector3d lesion_centre_mm;   ///< Of the liver lesion, before scale and variation.
   double lesion_radius_mm = 11.0;
-  double bile_duct_mm = 0.0;  ///< Diameter of dilated ducts of the liver; 0: too thin to be seen.
+  double bile_duct_mm = 0.0;   ///< Diameter of dilated ducts of the liver; 0: too thin to be seen.
+  double liver_cyst_mm = 0.0;  ///< Diameter of a cyst in the place of the liver lesion; 0: none.
+  double renal_pelvis_mm = 0.0;  ///< Thickness of a dilated right renal pelvis; 0: not dilated.
 };
 
 /// One organ or bone. A layer `shell_mm` thick under its surface is of another material.

@@ -59,11 +59,31 @@ Shape Kidney(double side, double z, double size) {
           whole.bounds_mm};
 }
 
+/// Dilated renal pelvis with three calyces, within the kidney of Kidney(-1, z, ...).
+void AddRenalPelvis(Builder& builder, double z) {
+  const double thickness_mm = builder.settings.renal_pelvis_mm;
+  if (thickness_mm <= 0.0) return;
+  const Eigen::Matrix3d turn = Rotation(-10.0, 12.0, -25.0);
+  const auto at = [&](double lateral, double back, double up) -> Vector3d {
+    return Vector3d(-62.0, 6.0, z) + turn * Vector3d(-lateral, back, up);
+  };
+  const double radius = 0.5 * thickness_mm;
+  const Vector3d pelvis = at(-8.0, 0.0, 0.0);
+  builder.Add("renal pelvis", Material::kUrine,
+              Ellipsoid(pelvis, Vector3d(1.2 * radius, radius, 1.8 * radius), turn));
+  const Vector3d lower = at(6.0, -7.0, -22.0);
+  for (const Vector3d& calyx : {lower, at(8.0, 2.0, 0.0), at(6.0, 2.0, 26.0)}) {
+    builder.Add("calyx", Material::kUrine, Tube({pelvis, calyx}, {0.5 * radius, 0.7 * radius}));
+  }
+  builder.landmarks["lower_calyx"] = lower;
+}
+
 void AddKidneys(Builder& builder) {
   for (const double side : {-1.0, 1.0}) {
     const std::string name = side < 0 ? "right kidney" : "left kidney";
     const double z = (side < 0 ? 66.0 : 80.0) + 100.0 * (builder.Vary(name, 1) - 1.0);
     const Shape kidney = Kidney(side, z, builder.Vary(name));
+    if (side < 0) AddRenalPelvis(builder, z);
     builder.Add(name, Material::kKidney, kidney);
     const Shape capsule = Ellipsoid(Vector3d(side * 62.0, 6.0, z), Vector3d(33, 29, 65),
                                     Rotation(-10.0, side * -12.0, side * 25.0));
@@ -95,6 +115,12 @@ void AddLungs(Builder& builder) {
 
 void AddLesion(Builder& builder) {
   const Vector3d centre = builder.settings.lesion_centre_mm;
+  if (builder.settings.liver_cyst_mm > 0.0) {
+    builder.Add("liver cyst", Material::kCyst,
+                Ellipsoid(centre, Vector3d::Constant(0.5 * builder.settings.liver_cyst_mm)));
+    builder.landmarks["cyst"] = centre;
+    return;
+  }
   const double radius = builder.settings.lesion_radius_mm;
   builder.Add("liver lesion", Material::kLesion, Ellipsoid(centre, Vector3d::Constant(radius)));
   builder.landmarks["lesion"] = centre;

@@ -48,6 +48,8 @@ BodySettings ReadBody(const Json& body) {
   b.lesion_centre_mm = Vector(body, "lesion_centre_mm");
   b.lesion_radius_mm = Number(body, "lesion_radius_mm");
   b.bile_duct_mm = Number(body, "bile_duct_mm");
+  b.liver_cyst_mm = Number(body, "liver_cyst_mm");
+  b.renal_pelvis_mm = Number(body, "renal_pelvis_mm");
   if (body.at("region") == "shoulder") b.region = BodySettings::Region::kShoulder;
   const Json& shoulder = body.at("shoulder");
   b.shoulder = {Number(shoulder, "deltoid_mm"), Number(shoulder, "bursa_mm"),
@@ -119,6 +121,11 @@ SessionSettings ReadSession(const Json& session, const std::string& file) {
   s.bone_press_mm = Number(session, "bone_press_mm");
   s.turn_rad_per_s = Angle(session, "turn_deg_per_s");
   for (const Json& move : session.at("needle")) s.needle.push_back(ReadMove(move));
+  for (const Json& demonstration : session.at("demonstrations")) {
+    s.demonstrations.push_back({demonstration.at("exercise").get<std::string>(),
+                                Number(demonstration, "plunger_n"),
+                                Number(demonstration, "hold_s")});
+  }
   const Json& probe = session.at("probe");
   s.probe = {Number(probe, "lift_mm"), Number(probe, "land_s"),         Number(probe, "sweep_mm"),
              Number(probe, "sweep_s"), Number(probe, "ahead_mm"),       Angle(probe, "toe_deg"),

@@ -97,6 +97,21 @@ SessionSettings DemonstrationOf(const PatientField& field, const InsertionPlan& 
   return out;
 }
 
+SessionSettings FluidDemonstrationOf(const PatientField& field, const InsertionPlan& plan,
+                                     const SessionSettings& settings,
+                                     const FluidDemonstration& fluid) {
+  SessionSettings out = DemonstrationOf(field, plan, settings);
+  out.name = std::string(kDemonstration) + "_" + fluid.exercise;
+  const auto at_target = std::ranges::find(out.needle, To::kTarget, &NeedleMove::to);
+  at_target->hold_s = 1.0;
+  NeedleMove press = Move(To::kTarget, kAdvanceMmPerS, fluid.hold_s);
+  press.plunger_n = fluid.plunger_n;
+  NeedleMove rest = Move(To::kTarget, kAdvanceMmPerS, 1.0);
+  rest.plunger_n = 0.0;
+  out.needle.insert(at_target + 1, {press, rest});
+  return out;
+}
+
 std::optional<SessionSettings> EpiduralDemonstrationOf(const PatientField& field,
                                                        const InsertionPlan& plan,
                                                        const SessionSettings& settings) {

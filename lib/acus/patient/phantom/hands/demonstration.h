@@ -27,4 +27,10 @@ std::optional<SessionSettings> EpiduralDemonstrationOf(const PatientField& field
                                                        const InsertionPlan& plan,
                                                        const SessionSettings& settings);
 
+/// The demonstration of another exercise with a syringe or a stylet: as DemonstrationOf; once the
+/// tip has come to rest at the target, the plunger is pressed or pulled for `fluid.hold_s`.
+SessionSettings FluidDemonstrationOf(const PatientField& field, const InsertionPlan& plan,
+                                     const SessionSettings& settings,
+                                     const FluidDemonstration& fluid);
+
 }  // namespace acus::phantom

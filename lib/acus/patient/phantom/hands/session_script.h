@@ -49,12 +49,20 @@ struct TremorSettings {
   double wander_mm = 0.4;
 };
 
+/// What a demonstration shows at the target.
+struct FluidDemonstration {
+  std::string exercise;    ///< The demonstration's folder is `demonstration_` and this.
+  double plunger_n = 0.0;  ///< Force on the plunger, or on the stylet; below 0: pulls.
+  double hold_s = 0.0;
+};
+
 struct SessionSettings {
   std::string name = "insertion";
   double standoff_mm = 60.0;
   double bone_press_mm = 0.5;
   double turn_rad_per_s = 0.21;
   std::vector<NeedleMove> needle;
+  std::vector<FluidDemonstration> demonstrations;
   ProbeScript probe;
   TremorSettings tremor;
 };

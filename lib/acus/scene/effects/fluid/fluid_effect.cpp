@@ -36,12 +36,17 @@ FluidRows RowsOf(const fluid::FluidTable& table, const json& settings) {
   rows.of_label[0] = 0;
   rows.vessel = RowNamed(table, settings.at("vessel"));
   rows.of_label[volume::LabelOf("vessel")] = rows.vessel;
+  for (const auto& [label, row] : settings.at("tissues").items()) {
+    rows.of_label[volume::LabelOf(label)] = RowNamed(table, row);
+  }
   rows.canal = volume::LabelOf("spinal_canal");
   rows.ligament = volume::LabelOf("ligament");
   rows.fat = volume::LabelOf("fat");
   rows.bone = volume::LabelOf("bone");
   rows.epidural = RowNamed(table, settings.at("epidural"));
   rows.subarachnoid = RowNamed(table, settings.at("subarachnoid"));
+  const std::string space = settings.at("space");
+  rows.space = space.empty() ? rows.epidural : RowNamed(table, space);
   return rows;
 }
 
@@ -57,12 +62,17 @@ Thumb ThumbOf(const std::string& name) {
 
 class LoadedFluid final : public LoadedEffect {
  public:
-  explicit LoadedFluid(FluidStage stage) : stage_(std::move(stage)) {}
+  /// @param space  Its name in the table; empty: the epidural space, to be found by its resistance.
+  LoadedFluid(FluidStage stage, std::string space)
+      : stage_(std::move(stage)), space_(std::move(space)) {}
   const StepStage* step() const override { return &stage_; }
-  std::unique_ptr<EffectMeter> NewMeter() const override { return std::make_unique<FluidMeter>(); }
+  std::unique_ptr<EffectMeter> NewMeter() const override {
+    return std::make_unique<FluidMeter>(space_);
+  }
 
  private:
   FluidStage stage_;
+  std::string space_;
 };
 
 class FluidEffect final : public Effect {
@@ -78,7 +88,7 @@ class FluidEffect final : public Effect {
       "properties": {
         "table": {"type": "string", "default": "fluid/default.json", "description": "Pressures and resistances of tissues, syringes, bores of needles"},
         "seed": {"type": "integer", "minimum": 0, "maximum": 4294967295, "default": 0, "description": "Draws a patient's pressures and resistances within their ranges; 0: typical values"},
-        "hub": {"enum": ["syringe", "open", "stylet"], "default": "syringe", "description": "What is at the needle's hub"},
+        "hub": {"enum": ["syringe", "open", "stylet"], "default": "syringe", "description": "What is at the needle's hub: a syringe; nothing; or a stylet, which a pull of 1 N at the plunger's key or in the recorded orders removes and a push puts back"},
         "syringe": {"type": "string", "default": "lor_plastic_10ml", "description": "Syringe of the table"},
         "filling_ml": {"type": "number", "minimum": 0, "maximum": 100, "default": 6, "description": "Fluid in the syringe at the start"},
         "air_share": {"type": "number", "minimum": 0, "maximum": 1, "default": 0, "description": "Of the filling: 0 saline, 1 air"},
@@ -93,7 +103,10 @@ class FluidEffect final : public Effect {
         "epidural_depth_mm": {"type": "number", "minimum": 0, "maximum": 20, "default": 5.5, "description": "From the inner face of the yellow ligament to the dura, along the needle"},
         "epidural": {"type": "string", "default": "epidural_lumbar", "description": "Row of the table for the epidural space, by level and posture"},
         "subarachnoid": {"type": "string", "default": "spinal_canal", "description": "Row of the table for cerebrospinal fluid, by posture"},
-        "vessel": {"type": "string", "default": "vein", "description": "Row of the table for the label vessel"}
+        "vessel": {"type": "string", "default": "vein", "description": "Row of the table for the label vessel"},
+        "tissues": {"type": "object", "default": {}, "description": "Rows of the table for other labels, such as {\"gallbladder\": \"bile_duct\"}", "additionalProperties": {"type": "string", "description": "Row of the table for this label"}},
+        "layers": {"enum": ["needle", "labels"], "default": "needle", "description": "How the layers lie between which fluid spreads: across the needle, or as the label map has the tissue around the tip; labels: needs a label map"},
+        "space": {"type": "string", "default": "", "description": "Row of the table of the space into which fluid is injected or from which it is drawn, for the metrics; empty: the epidural space"}
       }
     })json");
   }
@@ -102,11 +115,13 @@ class FluidEffect final : public Effect {
     return {{"table", PathKind::kPreset, kFluidTable}};
   }
 
-  std::optional<StageDeclaration> StepStageOf(const json& /*settings*/) const override {
-    return StageDeclaration{.name = "fluid",
-                            .reads = {ports::kNeedle, ports::kTissue, ports::kNeedlePreset,
-                                      ports::kPlungerForce, kFluidTable},
-                            .writes = {ports::kAddedForce, ports::kEcho, ports::kSwelling}};
+  std::optional<StageDeclaration> StepStageOf(const json& settings) const override {
+    StageDeclaration stage{.name = "fluid",
+                           .reads = {ports::kNeedle, ports::kTissue, ports::kNeedlePreset,
+                                     ports::kPlungerForce, kFluidTable},
+                           .writes = {ports::kAddedForce, ports::kEcho, ports::kSwelling}};
+    if (settings.at("layers") == "labels") stage.reads.push_back(ports::kLabels);
+    return stage;
   }
 
   std::vector<Column> Columns() const override {
@@ -125,7 +140,10 @@ class FluidEffect final : public Effect {
             {"losses", "Losses of resistance in the epidural space", "", "loss_of_resistance"},
             {"false_losses", "Losses of resistance elsewhere", "", "false_loss_of_resistance"},
             {"dural_punctures", "Punctures of the dura", "", "dural_puncture"},
-            {"vessel_entries", "Entries into vessels", "", "vessel_entry"}};
+            {"vessel_entries", "Entries into vessels", "", "vessel_entry"},
+            {"aspirated_ml", "Aspirated volume", "ml"},
+            {"space_ml", "Injected into the space less drawn from it", "ml"},
+            {"stylet_removals", "Removals of the stylet", "", "stylet_removal"}};
   }
 
   std::unique_ptr<const LoadedEffect> Load(const json& settings, const PortValues& scene,
@@ -145,6 +163,7 @@ class FluidEffect final : public Effect {
     fluid.eased_after_ml = settings.at("eased_after_ml");
     fluid.heart_per_s = settings.at("heart_per_min").get<double>() / 60.0;
     fluid.epidural_depth_mm = settings.at("epidural_depth_mm");
+    if (settings.at("layers") == "labels") fluid.layers = &scene.Get(ports::kLabels);
     const fluid::Syringe syringe = table.SyringeNamed(settings.at("syringe").get<std::string>());
     const fluid::Lumen lumen{.inner_diameter_mm = table.BoreMm(
                                  settings.at("gauge"), settings.at("bore").get<std::string>()),
@@ -152,7 +171,7 @@ class FluidEffect final : public Effect {
     const fluid::Filling filling{settings.at("filling_ml"), settings.at("air_share")};
     auto model =
         std::make_shared<const fluid::FluidModel>(std::move(table), syringe, filling, lumen);
-    return std::make_unique<LoadedFluid>(FluidStage(std::move(model), fluid));
+    return std::make_unique<LoadedFluid>(FluidStage(std::move(model), fluid), settings.at("space"));
   }
 };
 

@@ -30,6 +30,10 @@ void FluidMeter::Add(double session_s, std::span<const double> columns) {
   false_losses_ = At(columns, FluidColumn::kFalseLosses);
   dural_punctures_ = At(columns, FluidColumn::kDuralPunctures);
   vessel_entries_ = At(columns, FluidColumn::kVesselEntries);
+  aspirated_ml_ = At(columns, FluidColumn::kAspiratedMl);
+  into_space_ml_ = std::max(into_space_ml_, At(columns, FluidColumn::kSpaceMl));
+  from_space_ml_ = std::max(from_space_ml_, -At(columns, FluidColumn::kSpaceMl));
+  stylet_removals_ = At(columns, FluidColumn::kStyletRemovals);
   const double beyond_mm = At(columns, FluidColumn::kBeyondLossMm);
   if (losses_ > 0.0 && beyond_mm > overshoot_mm_) {
     overshoot_mm_ = beyond_mm;
@@ -42,6 +46,10 @@ std::vector<MeasuredValue> FluidMeter::Values() const {
       {"largest injection pressure", "kPa", largest_kpa_},
       {"injected volume", "ml", injected_ml_},
       {"fluid returned at the hub", "ml", returned_ml_},
+      {"aspirated volume", "ml", aspirated_ml_},
+      {"injected into the space", "ml", into_space_ml_},
+      {"drawn from the space", "ml", from_space_ml_},
+      {"stylet removals", "", stylet_removals_},
       {"losses of resistance in the epidural space", "", losses_},
       {"losses of resistance elsewhere", "", false_losses_},
       {"dural punctures", "", dural_punctures_},
@@ -51,8 +59,7 @@ std::vector<MeasuredValue> FluidMeter::Values() const {
   return values;
 }
 
-std::vector<std::string> FluidMeter::Findings() const {
-  std::vector<std::string> findings;
+void FluidMeter::AddLossTo(std::vector<std::string>& findings) const {
   if (losses_ > 0.0) {
     findings.push_back(
         Message("The resistance was lost in the epidural space at ", RoundedText(first_loss_s_, 3),
@@ -61,6 +68,20 @@ std::vector<std::string> FluidMeter::Findings() const {
                 " mm after it, over ", RoundedText(deepest_s_ - first_loss_s_, 3), " s."));
   } else {
     findings.emplace_back("There was no loss of resistance in the epidural space.");
+  }
+}
+
+std::vector<std::string> FluidMeter::Findings() const {
+  std::vector<std::string> findings;
+  if (space_.empty()) {
+    AddLossTo(findings);
+  } else {
+    std::string name = space_;
+    std::ranges::replace(name, '_', ' ');
+    findings.push_back(Message("Space: ", name,
+                               ". Injected into it: ", RoundedText(into_space_ml_, 3),
+                               " ml; drawn from it: ", RoundedText(from_space_ml_, 3),
+                               " ml; returned at the hub: ", RoundedText(returned_ml_, 3), " ml."));
   }
   if (false_losses_ > 0.0) {
     findings.push_back(

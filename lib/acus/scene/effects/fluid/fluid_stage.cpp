@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "acus/scene/effects/fluid/layer_normal.h"
 #include "acus/scene/effects/ports.h"
 
 namespace acus::effects {
@@ -17,6 +18,8 @@ constexpr double kLeastDepotMl = 0.02;
 /// Speed at which a thumb no longer presses, as no hand follows a yielding plunger with its whole
 /// force. Estimate.
 constexpr double kThumbMmPerS = 10.0;
+/// What draws a stylet out of the hub, and pushes it in again. Estimate.
+constexpr double kStyletN = 1.0;
 constexpr double kTapDuty = 0.4;  ///< Share of a tap's period in which the thumb presses.
 
 /// Fluid of a cavity against the speckle of tissue; the floor of the probe's range is reached.
@@ -36,6 +39,14 @@ Vector3d VectorOf(const std::array<double, 3>& a) {
   return Vector3d::Map(a.data());
 }
 
+/// A vector from the depot's centre in units of its radii: of length 1 at its surface.
+Vector3d ScaledToDepot(const ShownDepot& depot, const Vector3d& v) noexcept {
+  const Vector3d normal = VectorOf(depot.normal_in_ct);
+  const double across = v.dot(normal);
+  return (v - across * normal) / depot.width_radius_mm +
+         across / depot.thickness_radius_mm * normal;
+}
+
 /// Length of a beam inside the ellipsoid, up to a place, and how far inside the place is: below 1
 /// inside.
 struct DepotCrossing {
@@ -44,14 +55,8 @@ struct DepotCrossing {
 };
 
 DepotCrossing CrossingOf(const ShownDepot& depot, const EchoPlace& place) noexcept {
-  const Vector3d normal = VectorOf(depot.normal_in_ct);
-  const auto scaled = [&](const Vector3d& v) -> Vector3d {
-    const double across = v.dot(normal);
-    return (v - across * normal) / depot.width_radius_mm +
-           across / depot.thickness_radius_mm * normal;
-  };
-  const Vector3d p = scaled(place.place_in_ct_mm - VectorOf(depot.centre_in_ct_mm));
-  const Vector3d d = scaled(place.beam_in_ct);
+  const Vector3d p = ScaledToDepot(depot, place.place_in_ct_mm - VectorOf(depot.centre_in_ct_mm));
+  const Vector3d d = ScaledToDepot(depot, place.beam_in_ct);
   DepotCrossing out{.inside = p.norm()};
   // |p - s d| = 1 for s in mm back along the beam.
   const double a = d.squaredNorm();
@@ -69,6 +74,7 @@ DepotCrossing CrossingOf(const ShownDepot& depot, const EchoPlace& place) noexce
 FluidStageState FluidStage::Begin() const noexcept {
   FluidStageState state;
   state.fluid = model_->NewState(settings_.hub);
+  state.hub = settings_.hub;
   return state;
 }
 
@@ -104,6 +110,16 @@ double FluidStage::ThumbN(const FluidStageState& state, double session_n,
   return is_between_taps ? 0.0 : settings_.thumb_n;
 }
 
+void FluidStage::MoveStylet(FluidStageState& state, double session_n) const noexcept {
+  if (settings_.hub != fluid::Hub::kStylet) return;
+  if (state.hub == fluid::Hub::kStylet && session_n <= -kStyletN) {
+    state.hub = fluid::Hub::kOpen;
+    ++state.stylet_removals;
+  } else if (session_n >= kStyletN) {
+    state.hub = fluid::Hub::kStylet;
+  }
+}
+
 void FluidStage::Count(FluidStageState& state, int row, const Vector3d& tip_mm) const noexcept {
   if (row != state.row) {
     if (row == settings_.rows.subarachnoid) ++state.dural_punctures;
@@ -119,6 +135,12 @@ void FluidStage::Count(FluidStageState& state, int row, const Vector3d& tip_mm) 
   }
 }
 
+Vector3d FluidStage::NormalAt(const Vector3d& place_in_ct_mm,
+                              const Vector3d& axis_in_ct) const noexcept {
+  if (settings_.layers == nullptr) return axis_in_ct;
+  return LayerNormal(*settings_.layers, index_from_ct_, place_in_ct_mm).value_or(axis_in_ct);
+}
+
 void FluidStage::KeepDepots(FluidStageState& state, const Vector3d& axis_in_ct) const noexcept {
   const auto before = state.depot;
   const auto end = before.begin() + state.num_depots;
@@ -132,7 +154,8 @@ void FluidStage::KeepDepots(FluidStageState& state, const Vector3d& axis_in_ct) 
     const auto kept =
         std::find_if(before.begin(), end, [&](const auto& d) { return d.row == row; });
     shown.row = row;
-    shown.normal_in_ct = kept == end ? ArrayOf(axis_in_ct) : kept->normal_in_ct;
+    shown.normal_in_ct =
+        kept == end ? ArrayOf(NormalAt(VectorOf(there.centre_mm), axis_in_ct)) : kept->normal_in_ct;
     shown.centre_in_ct_mm = there.centre_mm;
     shown.width_radius_mm = depot.width_radius_mm;
     shown.thickness_radius_mm = depot.thickness_radius_mm;
@@ -155,8 +178,10 @@ Activity FluidStage::Step(FluidStageState& state, const StepTime& time, PortValu
   const Vector3d tip_mm = needle.translation();
   const Vector3d axis = needle.linear().col(2).normalized();
   const int row = RowAt(state, ports.Get(ports::kTissue), tip_mm);
-  state.thumb_n = ThumbN(state, ports.Get(ports::kPlungerForce), time.session_s);
-  fluid::FluidInput input{.hub = settings_.hub,
+  const double session_n = ports.Get(ports::kPlungerForce);
+  MoveStylet(state, session_n);
+  state.thumb_n = ThumbN(state, session_n, time.session_s);
+  fluid::FluidInput input{.hub = state.hub,
                           .hand_n = state.thumb_n,
                           .coupling_n_s_per_mm = std::abs(state.thumb_n) / kThumbMmPerS,
                           .tip_mm = tip_mm,
@@ -164,6 +189,9 @@ Activity FluidStage::Step(FluidStageState& state, const StepTime& time, PortValu
   input.bevel[0] = {row, 1.0};
   const fluid::FluidOutput out = model_->Step(state.fluid, input, dt_s);
   state.injected_ml += std::max(0.0, out.flow_ml_per_s) * dt_s;
+  if (state.hub == fluid::Hub::kSyringe) {
+    state.aspirated_ml += std::max(0.0, -out.flow_ml_per_s) * dt_s;
+  }
   state.events.Advance(limits_, out, dt_s);
   Count(state, row, tip_mm);
   state.beyond_loss_mm = state.is_lost ? (tip_mm - VectorOf(state.loss_tip_mm)).dot(axis) : 0.0;
@@ -186,6 +214,10 @@ Activity FluidStage::Step(FluidStageState& state, const StepTime& time, PortValu
   write(FluidColumn::kFalseLosses, state.false_losses);
   write(FluidColumn::kDuralPunctures, state.dural_punctures);
   write(FluidColumn::kVesselEntries, state.vessel_entries);
+  write(FluidColumn::kAspiratedMl, state.aspirated_ml);
+  const auto& space = state.fluid.tissue[static_cast<std::size_t>(settings_.rows.space)];
+  write(FluidColumn::kSpaceMl, space.liquid_ml + space.absorbed_ml + space.air_ml);
+  write(FluidColumn::kStyletRemovals, state.stylet_removals);
   return row == 0 && state.thumb_n == 0.0 ? Activity::kIdle : Activity::kActive;
 }
 
@@ -199,12 +231,13 @@ Vector3d FluidStage::RestInCtMm(const FluidStageState& state,
   for (int n = 0; n < state.num_depots; ++n) {
     const ShownDepot& depot = state.depot[static_cast<std::size_t>(n)];
     const Vector3d from_centre_mm = rest_mm - VectorOf(depot.centre_in_ct_mm);
-    const double r_mm = from_centre_mm.norm();
-    if (r_mm <= 0.0) continue;
-    // Shells keep their volume: r^3 - R^3.
-    const double volume = std::pow(r_mm, 3) - std::pow(depot.displaced_radius_mm, 3);
-    const double rest_r_mm = std::cbrt(std::max(volume, 0.0));
-    rest_mm = VectorOf(depot.centre_in_ct_mm) + rest_r_mm / r_mm * from_centre_mm;
+    const double s = ScaledToDepot(depot, from_centre_mm).norm();
+    if (!(s > 0.0) || !std::isfinite(s)) continue;
+    // Ellipsoidal shells keep their volume: s^3 less the displaced share of the depot.
+    const double share = std::pow(depot.displaced_radius_mm, 3) /
+                         (std::pow(depot.width_radius_mm, 2) * depot.thickness_radius_mm);
+    const double rest_s = std::cbrt(std::max(std::pow(s, 3) - share, 0.0));
+    rest_mm = VectorOf(depot.centre_in_ct_mm) + rest_s / s * from_centre_mm;
   }
   return rest_mm;
 }

@@ -30,11 +30,12 @@ struct FluidRows {
   int epidural = 0;
   int subarachnoid = 0;
   int vessel = 0;
+  int space = 0;  ///< Where fluid is injected or drawn.
 };
 
 struct FluidSettings {
   FluidRows rows;
-  fluid::Hub hub = fluid::Hub::kSyringe;
+  fluid::Hub hub = fluid::Hub::kSyringe;  ///< At the start; a stylet can be removed.
   Thumb thumb = Thumb::kSession;
   double thumb_n = 0.0;
   double taps_per_s = 0.0;
@@ -42,6 +43,8 @@ struct FluidSettings {
   double eased_after_ml = 0.0;        ///< Injected since the loss of resistance.
   double heart_per_s = 0.0;
   double epidural_depth_mm = 0.0;  ///< On the needle's way through the canal, until the dura.
+  /// Gives the layers of depots; null: they lie across the needle. Must outlive the stage.
+  const volume::LabelMap* layers = nullptr;
 };
 
 /// A region of injected fluid.
@@ -67,7 +70,9 @@ struct FluidStageState {
   std::array<double, 3> canal_entry_mm{};  ///< Where the tip came into the canal.
   int row = 0;                             ///< At the bevel.
   double thumb_n = 0.0;
-  double injected_ml = 0.0;  ///< Into tissue, from the syringe.
+  fluid::Hub hub = fluid::Hub::kSyringe;
+  double injected_ml = 0.0;   ///< Into tissue, from the syringe.
+  double aspirated_ml = 0.0;  ///< Into the syringe.
   bool has_met_ligament = false;
   bool is_lost = false;  ///< There was a loss of resistance: what follows is of the last one.
   std::array<double, 3> loss_tip_mm{};
@@ -77,6 +82,7 @@ struct FluidStageState {
   std::int32_t false_losses = 0;
   std::int32_t dural_punctures = 0;
   std::int32_t vessel_entries = 0;
+  std::int32_t stylet_removals = 0;
   std::array<double, 3> force_in_ct_n{};
   std::array<ShownDepot, kMostShownDepots> depot{};
   int num_depots = 0;
@@ -97,13 +103,18 @@ enum class FluidColumn {
   kFalseLosses,
   kDuralPunctures,
   kVesselEntries,
+  kAspiratedMl,
+  kSpaceMl,
+  kStyletRemovals,
   kCount,
 };
 
 class FluidStage final : public StepStageOf<FluidStageState> {
  public:
   FluidStage(std::shared_ptr<const fluid::FluidModel> model, const FluidSettings& settings)
-      : model_(std::move(model)), settings_(settings) {}
+      : model_(std::move(model)), settings_(settings) {
+    if (settings.layers != nullptr) index_from_ct_ = settings.layers->geometry.index_from_ct();
+  }
 
   FluidStageState Begin() const noexcept override;
   Activity Step(FluidStageState& state, const StepTime& time, PortValues& ports,
@@ -127,11 +138,15 @@ class FluidStage final : public StepStageOf<FluidStageState> {
   int RowAt(FluidStageState& state, volume::Label label,
             const Eigen::Vector3d& tip_mm) const noexcept;
   double ThumbN(const FluidStageState& state, double session_n, double session_s) const noexcept;
+  void MoveStylet(FluidStageState& state, double session_n) const noexcept;
   void Count(FluidStageState& state, int row, const Eigen::Vector3d& tip_mm) const noexcept;
   void KeepDepots(FluidStageState& state, const Eigen::Vector3d& axis_in_ct) const noexcept;
+  Eigen::Vector3d NormalAt(const Eigen::Vector3d& place_in_ct_mm,
+                           const Eigen::Vector3d& axis_in_ct) const noexcept;
 
   std::shared_ptr<const fluid::FluidModel> model_;
   FluidSettings settings_;
+  Eigen::Affine3d index_from_ct_ = Eigen::Affine3d::Identity();
   fluid::FluidEventLimits limits_;
 };
 
