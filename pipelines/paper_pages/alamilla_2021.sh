@@ -91,6 +91,8 @@ fact clamping_turned_n "$(number run_turned "largest lateral force")"
 # In the last 5 mm of the way to the target: the needle advances on its new line.
 fact clamping_advancing_n "$(awk -F, 'NR > 1 { d[NR] = $2; c[NR] = $9; if ($2 > most) { most = $2; at = NR } }
   END { for (i = at; i > 2 && d[i] > most - 5; --i) { s += c[i]; ++n } print s / n }' run_turned/forces.csv)"
+# From the deepest place on, in the body.
+fact clamping_withdrawing_n "$(awk -F, 'NR > 1 { if ($2 > most) { most = $2; s = n = 0 } if ($2 > 0) { s += $9; ++n } } END { print s / n }' run_turned/forces.csv)"
 fact b_mode_ms "$(stage_ms run_turned B-mode)"
 fact images "$(runs_of run_turned B-mode)"
 fact step_us "$(step_us run_turned)"
