@@ -29,6 +29,8 @@ TRIED_S = 3
 SYSTEMS = {
     "": {"scenario": "lumbar_puncture", "kind": "lumbar", "exercise": "lumbar_puncture"},
     "epidural": {"kind": "lumbar", "exercise": "epidural"},
+    "epidural_obese": {"scenario": "epidural", "kind": "lumbar", "exercise": "epidural", "needle": "tuohy_18g_long",
+                       "phantom": ["--config", str(CONFIGS / "phantoms/lumbar_obese.json")]},
     "epidural_narrow": {"scenario": "epidural", "kind": "lumbar", "exercise": "epidural",
                         "phantom": ["--config", str(CONFIGS / "phantoms/lumbar_narrow.json")]},
     "spinal": {"kind": "lumbar", "exercise": "spinal"},
@@ -45,7 +47,7 @@ SYSTEMS = {
     "fortmeier_2016": {"kind": "liver_ptc", "exercise": "bile_duct_drainage", "breathes": True,
                        "without": ["fluoroscopy", "view_3d"], "views": "ultrasound,3d,volume,ct"},
 }
-PROCEDURES = ["epidural", "epidural_narrow", "spinal", "bursa_injection", "nephrostomy", "liver_cyst"]
+PROCEDURES = ["epidural", "epidural_obese", "epidural_narrow", "spinal", "bursa_injection", "nephrostomy", "liver_cyst"]
 SYSTEMS_OF_PAPERS = [name for name in SYSTEMS if name not in ("", *PROCEDURES)]
 
 
@@ -170,8 +172,10 @@ def write_system(folder, paper):
     system = SYSTEMS[paper]
     patient = {"ct": "patient/ct.nrrd", "labels": "patient/labels.seg.nrrd", "corridor": "patient/corridor_ct.csv",
                "ct_from_reference_file": "registration/ct_from_reference.tfm"}
-    write_document(folder / "scenario.json",
-                   scenario_of(system.get("scenario", paper), patient, system.get("without", ())))
+    scenario = scenario_of(system.get("scenario", paper), patient, system.get("without", ()))
+    if "needle" in system:
+        scenario["needle"] = f"needles/{system['needle']}.json"
+    write_document(folder / "scenario.json", scenario)
     if "views" in system:
         write_whole(folder / "views", system["views"] + "\n")
     write_exercise(folder, system["exercise"])

@@ -53,11 +53,12 @@ class Puncture {
     state_ = stage_->Begin();
   }
 
-  static volume::Label LabelAt(double z_mm) {
+  volume::Label LabelAt(double z_mm) const {
     if (z_mm < 0.0) return 0;
     if (z_mm < kLigamentMm) return volume::LabelOf("muscle");
     if (z_mm < kFatMm) return volume::LabelOf("ligament");
-    // Voxels of muscle within the epidural fat, as coarse label maps have them.
+    // Voxels of muscle before and within the epidural fat, as coarse label maps have them.
+    if (z_mm < kFatMm + muscle_before_fat_mm_) return volume::LabelOf("muscle");
     if (z_mm > kFatMm + 0.2 && z_mm < kFatMm + 0.4) return volume::LabelOf("muscle");
     return volume::LabelOf(z_mm < kCanalMm ? "fat" : "spinal_canal");
   }
@@ -83,6 +84,7 @@ class Puncture {
     for (int i = 0; i < static_cast<int>(1000.0 * seconds); ++i) Step(z_mm_);
   }
   void MoveTo(double z_mm) { z_mm_ = z_mm; }
+  void PutMuscleBeforeFat(double mm) { muscle_before_fat_mm_ = mm; }
   void Turn(const Eigen::Quaterniond& turn) { turn_ = turn; }
   void PressBySession(double force_n) { session_n_ = force_n; }
 
@@ -97,6 +99,7 @@ class Puncture {
   std::array<double, static_cast<std::size_t>(FluidColumn::kCount)> columns_{};
   double z_mm_ = -2.0;
   double session_n_ = 0.0;
+  double muscle_before_fat_mm_ = 0.0;
   Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();
   int steps_ = 0;
 };
@@ -123,6 +126,15 @@ TEST(FluidStage, ResistanceIsLostBehindTheLigamentAndTheDuraComesLater) {
   EXPECT_EQ(puncture.Column(FluidColumn::kDuralPunctures), 1.0);
   // The thumb has let go after 1 ml.
   EXPECT_EQ(puncture.Column(FluidColumn::kPlungerN), 0.0);
+}
+
+// Between ligament and fat of a coarse label map there may be voxels of muscle.
+TEST(FluidStage, ResistanceIsLostInTheEpiduralSpaceBehindVoxelsOfMuscle) {
+  Puncture puncture(10.0);
+  puncture.PutMuscleBeforeFat(1.0);
+  puncture.AdvanceTo(Puncture::kFatMm + 1.9, 1.5);
+  EXPECT_EQ(puncture.Column(FluidColumn::kLosses), 1.0);
+  EXPECT_EQ(puncture.Column(FluidColumn::kFalseLosses), 0.0);
 }
 
 TEST(FluidStage, TheOtherHandHoldsWhatTheThumbPresses) {

@@ -20,6 +20,8 @@ constexpr double kLeastDepotMl = 0.02;
 constexpr double kThumbMmPerS = 10.0;
 /// What draws a stylet out of the hub, and pushes it in again. Estimate.
 constexpr double kStyletN = 1.0;
+/// Behind a ligament, label maps have voxels of soft tissue for so long before epidural fat.
+constexpr double kCoarseLabelsMm = 2.0;
 constexpr double kTapDuty = 0.4;  ///< Share of a tap's period in which the thumb presses.
 
 /// Fluid of a cavity against the speckle of tissue; the floor of the probe's range is reached.
@@ -78,18 +80,24 @@ FluidStageState FluidStage::Begin() const noexcept {
   return state;
 }
 
-int FluidStage::RowAt(FluidStageState& state, volume::Label label,
-                      const Vector3d& tip_mm) const noexcept {
+int FluidStage::RowAt(FluidStageState& state, volume::Label label, const Vector3d& tip_mm,
+                      const Vector3d& axis_in_ct) const noexcept {
   const FluidRows& rows = settings_.rows;
   const bool was_in_canal = state.is_in_canal;
-  const bool enters_fat_behind_ligament = label == rows.fat && state.label == rows.ligament;
+  const double beyond_ligament_mm = (tip_mm - VectorOf(state.ligament_mm)).dot(axis_in_ct);
+  const bool enters_fat_behind_ligament =
+      label == rows.fat && state.has_met_ligament && beyond_ligament_mm >= 0.0 &&
+      beyond_ligament_mm < kCoarseLabelsMm && state.label != rows.fat;
   const double behind_mm = (tip_mm - VectorOf(state.canal_entry_mm)).norm();
   const bool is_before_canal = was_in_canal && label != rows.ligament && label != rows.bone &&
                                behind_mm < settings_.epidural_depth_mm;
   state.is_in_canal =
       label != 0 && (label == rows.canal || enters_fat_behind_ligament || is_before_canal);
   state.label = label;
-  state.has_met_ligament = state.has_met_ligament || label == rows.ligament;
+  if (label == rows.ligament) {
+    state.has_met_ligament = true;
+    state.ligament_mm = ArrayOf(tip_mm);
+  }
   if (!state.is_in_canal) return rows.of_label[label];
   if (!was_in_canal) state.canal_entry_mm = ArrayOf(tip_mm);
   const double travelled_mm = (tip_mm - VectorOf(state.canal_entry_mm)).norm();
@@ -177,7 +185,7 @@ Activity FluidStage::Step(FluidStageState& state, const StepTime& time, PortValu
   if (!needle.matrix().allFinite()) return Activity::kIdle;
   const Vector3d tip_mm = needle.translation();
   const Vector3d axis = needle.linear().col(2).normalized();
-  const int row = RowAt(state, ports.Get(ports::kTissue), tip_mm);
+  const int row = RowAt(state, ports.Get(ports::kTissue), tip_mm, axis);
   const double session_n = ports.Get(ports::kPlungerForce);
   MoveStylet(state, session_n);
   state.thumb_n = ThumbN(state, session_n, time.session_s);

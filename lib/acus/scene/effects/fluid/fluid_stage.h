@@ -68,6 +68,7 @@ struct FluidStageState {
   volume::Label label = 0;                 ///< At the tip.
   bool is_in_canal = false;                ///< The canal, or epidural fat before it.
   std::array<double, 3> canal_entry_mm{};  ///< Where the tip came into the canal.
+  std::array<double, 3> ligament_mm{};     ///< Where the tip was last in a ligament.
   int row = 0;                             ///< At the bevel.
   double thumb_n = 0.0;
   fluid::Hub hub = fluid::Hub::kSyringe;
@@ -135,8 +136,8 @@ class FluidStage final : public StepStageOf<FluidStageState> {
   }
 
  private:
-  int RowAt(FluidStageState& state, volume::Label label,
-            const Eigen::Vector3d& tip_mm) const noexcept;
+  int RowAt(FluidStageState& state, volume::Label label, const Eigen::Vector3d& tip_mm,
+            const Eigen::Vector3d& axis_in_ct) const noexcept;
   double ThumbN(const FluidStageState& state, double session_n, double session_s) const noexcept;
   void MoveStylet(FluidStageState& state, double session_n) const noexcept;
   void Count(FluidStageState& state, int row, const Eigen::Vector3d& tip_mm) const noexcept;
