@@ -36,13 +36,14 @@ int main(int argc, char** argv) {
     context.provenance.AddInput(options.ConfigPath());
     context.provenance.AddInput(options.ct);
     const auto imports = options.ToImport(context);
-    const auto others = acus::atlas::ReadAtlas(options.atlas, context);
+    const auto others = acus::atlas::ReadAtlas(options.atlases, context);
     const auto ct = acus::volume::ReadCt(options.ct, options.series, context);
     auto found = segmentation::SegmentPatient(ct, config, context);
     auto laid = segmentation::LayImports(imports, ct, found.labels, context);
     std::cout << laid.report;
     examination.vertebrae = std::move(laid.vertebrae);
-    acus::atlas::AddAtlasOrgans(ct, others, config.tissues, found.labels, context);
+    examination.organs =
+        acus::atlas::AddAtlasOrgans(ct, others, config.tissues, found.labels, context);
     if (options.vessels) std::cout << segmentation::AddLiverVessels(ct, found.labels, context);
     auto patient = segmentation::Examine(ct, config, std::move(found), examination, context);
     if (!options.reference.empty()) {

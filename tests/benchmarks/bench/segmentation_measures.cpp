@@ -38,7 +38,6 @@ struct Patient {
   std::string name;
   LabelledCt whole;  ///< On a grid that takes seconds.
   segmentation::LabelMapping mapping;
-  atlas::AtlasPatient as_atlas;
   /// Number (C1 is 0) of a vertebra by its value; empty if the reference has none.
   std::map<std::int32_t, int> vertebrae;
 };
@@ -208,13 +207,10 @@ std::string MuscleAround(const volume::LabelMap& labels, int num_threads) {
   return ring > 0.0 ? FixedText(100.0 * muscle / ring, 1) : "-";
 }
 
-segmentation::SegmentedPatient Segmented(const volume::CtVolume& ct,
-                                         const std::vector<atlas::AtlasPatient>& others,
-                                         const RunContext& context) {
+segmentation::SegmentedPatient Segmented(const volume::CtVolume& ct, const RunContext& context) {
   const auto config =
       segmentation::ReadSegmentationConfig(config::FindConfig("segmentation/default.json", "."));
   auto found = segmentation::SegmentPatient(ct, config, context);
-  atlas::AddAtlasOrgans(ct, others, config.tissues, found.labels, context);
   return segmentation::Examine(ct, config, std::move(found), {}, context);
 }
 
@@ -243,7 +239,7 @@ void Draw(const std::filesystem::path& folder, const std::string& name, const Co
 /// Bone, lung, canal and names in all copies of a patient.
 void MeasureTissues(Patient& patient, const std::filesystem::path& images, Names& all,
                     std::vector<Case>& cases, const RunContext& context) {
-  const auto as_it_is = Segmented(patient.whole.ct, {}, context);
+  const auto as_it_is = Segmented(patient.whole.ct, context);
   for (std::size_t n = 0; n < as_it_is.labels.voxels.size(); ++n) {
     if (as_it_is.labels.voxels[n] == volume::LabelOf("spinal_canal")) {
       patient.whole.labels.voxels[n] += kCanal;
@@ -252,7 +248,7 @@ void MeasureTissues(Patient& patient, const std::filesystem::path& images, Names
   bool is_held_back = true;
   for (const Copy& copy : CopiesOf(patient.whole)) {
     is_held_back = !is_held_back;
-    const auto found = Segmented(copy.ct.ct, {}, context);
+    const auto found = Segmented(copy.ct.ct, context);
     AddCase(found, "bone", Reference(patient, copy.ct, "bone"), is_held_back, cases);
     AddCase(found, "spinal_canal", Canal(copy.ct), is_held_back, cases);
     Draw(images, patient.name, copy, found.labels);
@@ -289,7 +285,7 @@ void MeasurePhantoms(std::vector<Case>& cases, RunContext& context) {
     using namespace testing_support;
     for (const LabelledCt& copy : {whole, Turned(whole, Eigen::Vector3d::UnitZ(), 0.25),
                                    Thickened(whole, 3), Thickened(whole, 5), Noisy(whole, 45.0)}) {
-      const auto found = Segmented(copy.ct, {}, context);
+      const auto found = Segmented(copy.ct, context);
       for (const char* part : {"bone", "spinal_canal", "disc"}) {
         Mask theirs(copy.labels.geometry);
         for (std::size_t n = 0; n < theirs.voxels.size(); ++n) {
@@ -301,28 +297,138 @@ void MeasurePhantoms(std::vector<Case>& cases, RunContext& context) {
   }
 }
 
-/// Organs of one patient by the labels of the other, and whether they are stated to be sure.
-void MeasureOrgans(const Patient& patient, const Patient& other, Names& sure, Names& unsure,
-                   const RunContext& context) {
-  for (const Copy& copy : CopiesOf(patient.whole)) {
-    if (copy.name.find("padding") != copy.name.npos || copy.name.find("field") != copy.name.npos) {
-      continue;
-    }
-    const auto found = Segmented(copy.ct.ct, {other.as_atlas}, context);
-    for (const char* organ : {"liver", "spleen", "kidney"}) {
-      const Mask ours = MaskOf(found.labels, volume::LabelOf(organ));
-      const Mask theirs = Reference(patient, copy.ct, organ);
-      if (segmentation::Count(ours) == 0 || segmentation::Count(theirs) == 0) continue;
-      bool is_sure = true;
-      for (const auto& check : found.organs) {
-        if (check.name.starts_with(organ)) is_sure = is_sure && check.is_sure();
-      }
-      Names& count = is_sure ? sure : unsure;
-      ++(segmentation::Dice(ours, theirs) >= kRightDice ? count.right : count.wrong);
-      Print({patient.name, copy.name, organ, Agreement(ours, theirs, context.num_threads),
-             is_sure ? "sure" : "unsure"});
+/// Dice of each part of an organ that a reference has too.
+std::map<std::string, double> DiceOfParts(const std::string& organ, const volume::LabelMap& found,
+                                          const Mask& theirs) {
+  const auto middle = segmentation::MiddleXMm(found);
+  const auto ours = segmentation::OrganParts(organ, MaskOf(found, volume::LabelOf(organ)), middle);
+  std::map<std::string, double> dice;
+  for (const auto& [name, mask] : ours) {
+    dice[name] = 0.0;
+    for (const auto& [other, reference] : segmentation::OrganParts(organ, theirs, middle)) {
+      if (other == name) dice[name] = segmentation::Dice(mask, reference);
     }
   }
+  return dice;
+}
+
+/// One line for each organ: where it comes from, its Dice, the evidence, and what speaks against
+/// it (without the evidence).
+void WriteOrganCases(std::ostream& out, const Patient& patient, const Copy& copy,
+                     const std::string& atlas, const volume::LabelMap& found,
+                     const std::vector<segmentation::OrganEvidence>& evidence) {
+  const auto checks = segmentation::CheckOrgans(found);
+  for (const char* organ : {"liver", "kidney", "spleen"}) {
+    const Mask theirs = Reference(patient, copy.ct, organ);
+    if (segmentation::Count(theirs) == 0) continue;
+    const auto dice = DiceOfParts(organ, found, theirs);
+    for (const auto& e : evidence) {
+      if (!dice.contains(e.name)) continue;
+      const auto check = std::ranges::find(checks, e.name, &segmentation::OrganCheck::name);
+      const std::size_t doubts = check == checks.end() ? 0 : check->doubts.size();
+      out << patient.name << ',' << copy.name << ',' << atlas << ',' << e.name << ',' << doubts;
+      for (const double value : {dice.at(e.name), e.edge_share, e.edge_offset_mm, e.even_share,
+                                 e.expected_even, e.expected_dice, e.barred_share, e.wall_share,
+                                 e.volume_ratio, e.covered_share, e.atlas_dice.value_or(-1.0)}) {
+        out << ',' << FixedText(value, 3);
+      }
+      out << std::endl;
+    }
+  }
+}
+
+/// All that an atlas patient says, moved by voxels of the coarse grid: organs in wrong places.
+atlas::CarriedLabels Displaced(const atlas::CarriedLabels& carried, const Eigen::Array3i& by) {
+  atlas::CarriedLabels out = carried;
+  const Eigen::Array3i& size = carried.organs.geometry.size;
+  for (int k = 0; k < size[2]; ++k) {
+    for (int j = 0; j < size[1]; ++j) {
+      for (int i = 0; i < size[0]; ++i) {
+        const Eigen::Array3i at = Eigen::Array3i(i, j, k) - by;
+        const bool is_in = carried.organs.geometry.Contains(at[0], at[1], at[2]);
+        out.organs.At(i, j, k) = is_in ? carried.organs.At(at[0], at[1], at[2]) : 0;
+        out.aligned.At(i, j, k) = is_in ? carried.aligned.At(at[0], at[1], at[2]) : 0;
+      }
+    }
+  }
+  return out;
+}
+
+/// Copies that change what an organ looks like or how much of it is seen.
+bool IsForOrgans(const std::string& copy) {
+  static const std::array kNames = {"as it is", "rolled by 15", "upper",
+                                    "lower",    "slices",       "noise of 45"};
+  return std::ranges::any_of(kNames, [&](const char* name) { return copy.starts_with(name); });
+}
+
+/// Organs of one patient by the labels of others, in places that are right and wrong; in copies by
+/// the labels of the first other.
+void MeasureOrgans(const Patient& patient, const std::vector<atlas::LabelledPatient>& others,
+                   const RunContext& context) {
+  const auto config =
+      segmentation::ReadSegmentationConfig(config::FindConfig("segmentation/default.json", "."));
+  const std::vector<Eigen::Array3i> none = {{0, 0, 0}};
+  const std::vector<Eigen::Array3i> moves = {
+      {0, 0, 0}, {0, 0, 9}, {0, 0, -8}, {7, 0, 0}, {-4, 5, 0}};
+  for (const Copy& copy : CopiesOf(patient.whole)) {
+    if (!IsForOrgans(copy.name)) continue;
+    const bool is_whole = copy.name == "as it is";
+    const auto tissues = segmentation::SegmentPatient(copy.ct.ct, config, context).labels;
+    const atlas::PatientImage image(copy.ct.ct, tissues, atlas::kAtlasSpacingMm);
+    for (const atlas::LabelledPatient& other : others) {
+      const auto carried = atlas::CarryLabels(other, image, context);
+      if (!carried) continue;
+      const bool is_first = &other == &others.front();
+      for (const Eigen::Array3i& by : is_whole&& is_first ? moves : none) {
+        auto labels = tissues;
+        std::vector<segmentation::OrganEvidence> evidence;
+        try {
+          evidence = atlas::AddCarriedOrgans(image, {Displaced(*carried, by)}, labels, context);
+        } catch (const NoAnswerError&) {
+          continue;
+        }
+        const std::string moved =
+            Message(other.name, " moved by ", 3 * by[0], " ", 3 * by[1], " ", 3 * by[2]);
+        WriteOrganCases(std::cout, patient, copy, moved, labels, evidence);
+      }
+      if (!is_whole) break;
+    }
+  }
+}
+
+/// A patient as an atlas patient, on the grid that takes seconds.
+atlas::LabelledPatient AsAtlas(const Patient& patient, const RunContext& context) {
+  const auto config =
+      segmentation::ReadSegmentationConfig(config::FindConfig("segmentation/default.json", "."));
+  atlas::LabelledPatient out{.name = patient.name,
+                             .ct = patient.whole.ct,
+                             .tissues = {},
+                             .organs = volume::LabelMap(patient.whole.ct.geometry)};
+  for (std::size_t n = 0; n < out.organs.voxels.size(); ++n) {
+    const auto tissue = patient.mapping.tissue.find(patient.whole.labels.voxels[n]);
+    if (tissue != patient.mapping.tissue.end()) out.organs.voxels[n] = tissue->second;
+  }
+  out.tissues = segmentation::FindTissues(out.ct, config.tissues, context).labels;
+  return out;
+}
+
+/// A synthetic patient as an atlas patient: unlike a real one, so that its organs often end wrong.
+atlas::LabelledPatient SyntheticAtlas(std::uint64_t seed, RunContext& context) {
+  auto config = phantom::ReadPhantomConfig(config::FindConfig("phantoms/liver.json", "."));
+  config.body.variation_percent = 8.0;
+  config.grid.size = (config.grid.size.cast<double>() * config.grid.spacing_mm / 3.0).cast<int>();
+  config.grid.spacing_mm = Eigen::Array3d::Constant(3.0);
+  context.seed = seed;
+  phantom::Scan scan = phantom::RenderScan(phantom::Anatomy(config.body, seed), config.grid,
+                                           config.scanner, context);
+  const auto settings =
+      segmentation::ReadSegmentationConfig(config::FindConfig("segmentation/default.json", "."));
+  atlas::LabelledPatient out{.name = Message("synthetic ", seed),
+                             .ct = std::move(scan.ct),
+                             .tissues = {},
+                             .organs = std::move(scan.labels)};
+  out.tissues = segmentation::FindTissues(out.ct, settings.tissues, context).labels;
+  return out;
 }
 
 std::optional<Patient> Read(const std::string& name, const std::string& ct,
@@ -340,7 +446,6 @@ std::optional<Patient> Read(const std::string& name, const std::string& ct,
   return Patient{.name = name,
                  .whole = std::move(whole),
                  .mapping = segmentation::ReadLabelMapping(table),
-                 .as_atlas = {name, *ct_path, "", {*labels_path, table}},
                  .vertebrae = {}};
 }
 
@@ -355,7 +460,9 @@ int main(int argc, char** argv) {
   CLI::App app{"Tables of what a segmentation is worth, on labelled CTs and transformed copies.",
                "segmentation_measures"};
   app.footer("EXAMPLE\n  build/tests/segmentation_measures --organs\n");
-  app.add_flag("--organs", with_organs, "Also organs by the atlas of the other patient");
+  app.add_flag("--organs", with_organs,
+               "Only organs by atlases: Dice and evidence, CSV, of which "
+               "testdata/organ_evidence.csv is a run");
   app.add_option("--only", only, "Only the CT with this name")
       ->check(CLI::IsMember({"totalseg example", "ircadb01"}));
   app.add_option("--images", images, "Also images of each copy, in this folder")
@@ -372,6 +479,18 @@ int main(int argc, char** argv) {
         total->vertebrae[value] = 24 - std::max(value - 26, 0);
       }
     }
+    if (with_organs) {
+      if (!total || !ircad) return acus::ExitCode::kOk;
+      std::cout << "patient,copy,atlas,organ,doubts,dice,edge_share,edge_offset_mm,even_share,"
+                   "expected_even,expected_dice,barred_share,wall_share,volume_ratio,"
+                   "covered_share,atlas_dice\n";
+      const auto phantom = SyntheticAtlas(1, context);
+      if (only != "ircadb01") MeasureOrgans(*total, {AsAtlas(*ircad, context), phantom}, context);
+      if (only != "totalseg example") {
+        MeasureOrgans(*ircad, {AsAtlas(*total, context), phantom}, context);
+      }
+      return acus::ExitCode::kOk;
+    }
     Names names;
     std::vector<Case> cases;
     std::cout
@@ -387,15 +506,6 @@ int main(int argc, char** argv) {
       MeasurePhantoms(cases, context);
       PrintCertainty(cases);
     }
-    if (!with_organs || !total || !ircad) return acus::ExitCode::kOk;
-    Names sure, unsure;
-    std::cout
-        << "\n| CT | copy | organ | Dice (95 % distance, mm) | stated |\n|---|---|---|---|---|\n";
-    MeasureOrgans(*total, *ircad, sure, unsure, context);
-    MeasureOrgans(*ircad, *total, sure, unsure, context);
-    std::cout << "\nDice of at least " << kRightDice << ": " << sure.right << " of "
-              << sure.right + sure.wrong << " organs stated to be sure, " << unsure.right << " of "
-              << unsure.right + unsure.wrong << " unsure ones.\n";
     return acus::ExitCode::kOk;
   });
 }

@@ -1,13 +1,16 @@
 #include "acus/patient/atlas/atlas_file.h"
 
+#include <map>
+
 #include "acus/base/config/json_file.h"
 
 namespace acus::atlas {
 
 namespace fs = std::filesystem;
 
-std::vector<AtlasPatient> ReadAtlas(const fs::path& folder, RunContext& context) {
-  if (folder.empty()) return {};
+namespace {
+
+std::vector<AtlasPatient> PatientsIn(const fs::path& folder, RunContext& context) {
   const fs::path file = folder / "atlas.json";
   const nlohmann::json document = config::ReadConfig(file, "acus-atlas");
   std::vector<AtlasPatient> patients;
@@ -35,6 +38,24 @@ std::vector<AtlasPatient> ReadAtlas(const fs::path& folder, RunContext& context)
     }
   }
   return patients;
+}
+
+}  // namespace
+
+std::vector<AtlasPatient> ReadAtlas(const std::vector<fs::path>& folders, RunContext& context) {
+  std::vector<AtlasPatient> all;
+  std::map<fs::path, fs::path> listed;  // CTs, and the atlas of each.
+  for (const fs::path& folder : folders) {
+    for (AtlasPatient& patient : PatientsIn(folder, context)) {
+      const auto [first, is_new] = listed.emplace(fs::canonical(patient.ct), folder);
+      ACUS_REQUIRE(is_new || !patient.series.empty(), (folder / "atlas.json").string(),
+                   ": the CT of patient \"", patient.name, "\" is in the atlas already, by ",
+                   (first->second / "atlas.json").string(),
+                   "; a patient may count once: remove one of the two");
+      all.push_back(std::move(patient));
+    }
+  }
+  return all;
 }
 
 }  // namespace acus::atlas

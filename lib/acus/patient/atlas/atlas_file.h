@@ -18,9 +18,10 @@ struct AtlasPatient {
   segmentation::ForeignLabels labels;
 };
 
-/// Reads atlas.json (format acus-atlas/1) of a folder; its files become inputs of the provenance.
-/// @param folder  Empty: no patients.
-/// @throws InputError naming the place in the file.
-std::vector<AtlasPatient> ReadAtlas(const std::filesystem::path& folder, RunContext& context);
+/// Reads atlas.json (format acus-atlas/1) of each folder; its files become inputs of the
+/// provenance. All patients are of one atlas.
+/// @throws InputError naming the place in the file, or a CT that is listed twice.
+std::vector<AtlasPatient> ReadAtlas(const std::vector<std::filesystem::path>& folders,
+                                    RunContext& context);
 
 }  // namespace acus::atlas

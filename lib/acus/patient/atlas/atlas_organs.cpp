@@ -3,30 +3,25 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <string_view>
 
 #include "acus/base/core/parallel.h"
 #include "acus/data/volume/label_lookup.h"
 #include "acus/data/volume/labels.h"
 #include "acus/data/volume/volume_io.h"
-#include "acus/patient/atlas/organ_cut.h"
-#include "acus/patient/atlas/organ_place.h"
-#include "acus/patient/atlas/patient_map.h"
+#include "acus/patient/atlas/organ_evidence.h"
+#include "acus/patient/atlas/organ_fusion.h"
 #include "acus/patient/segmentation/import/imported_labels.h"
-#include "acus/patient/segmentation/voxels/crop.h"
+#include "acus/patient/segmentation/organ_checks.h"
+#include "acus/patient/segmentation/voxels/metrics.h"
 
 namespace acus::atlas {
 namespace {
 
 using segmentation::Mask;
+using segmentation::OrganEvidence;
 using volume::Grid;
 using volume::LabelMap;
-
-constexpr double kSpacingMm = 3.0;  // Of registration and cut.
-constexpr double kMarginMm = 55.0;  // Around the prior, in which an organ is looked for.
-
-constexpr float kBeyondAtlas = 0.5F;  // Weight of the prior where the atlas's CT has ended.
 
 struct Organ {
   std::string_view name;
@@ -36,18 +31,6 @@ struct Organ {
 constexpr std::array kOrgans = {Organ{"liver", 300.0, 4000.0, 0.0},
                                 Organ{"kidney", 40.0, 1200.0, 60.0},
                                 Organ{"spleen", 20.0, 2000.0, 0.0}};
-
-/// Distance [mm] to the surface of a region, positive inside.
-Grid<float> SignedDistanceMm(const Mask& region, int num_threads) {
-  Mask outside(region.geometry);
-  for (std::size_t n = 0; n < region.voxels.size(); ++n) outside.voxels[n] = region.voxels[n] == 0;
-  Grid<float> signed_mm = segmentation::DistanceMm(outside, num_threads);
-  const Grid<float> to_region = segmentation::DistanceMm(region, num_threads);
-  for (std::size_t n = 0; n < signed_mm.voxels.size(); ++n) {
-    signed_mm.voxels[n] -= to_region.voxels[n];
-  }
-  return signed_mm;
-}
 
 float Interpolated(const Grid<float>& grid, const Eigen::Array3d& at) {
   const Eigen::Array3i& size = grid.geometry.size;
@@ -62,95 +45,6 @@ float Interpolated(const Grid<float>& grid, const Eigen::Array3d& at) {
     sum += weight.prod() * grid.At(v[0], v[1], v[2]);
   }
   return sum;
-}
-
-/// The patient, and what the whole atlas says of him.
-struct Patient {
-  const volume::CtVolume& ct;
-  const LabelMap& labels;
-  const PatientImage& image;
-  Grid<float> hu;
-  std::vector<CarriedLabels> carried;
-};
-
-/// Where skin, lung, gas and air are, no organ is.
-void ForbidAirAndSkin(const LabelMap& labels, Mask& allowed) {
-  static const std::array kNever = {volume::Label{0}, volume::LabelOf("skin"),
-                                    volume::LabelOf("lung"), volume::LabelOf("gas")};
-  const Eigen::Affine3d ct_from_index = allowed.geometry.ct_from_index();
-  const Eigen::Affine3d voxel_from_ct = labels.geometry.index_from_ct();
-  const Eigen::Array3i& size = allowed.geometry.size;
-  for (int k = 0; k < size[2]; ++k) {
-    for (int j = 0; j < size[1]; ++j) {
-      for (int i = 0; i < size[0]; ++i) {
-        const volume::Label here =
-            volume::LabelAt(labels, voxel_from_ct, ct_from_index * Eigen::Vector3d(i, j, k));
-        if (std::ranges::find(kNever, here) != kNever.end()) allowed.At(i, j, k) = 0;
-      }
-    }
-  }
-}
-
-/// The part of the patient around all regions.
-segmentation::Box BoxAround(const std::vector<Mask>& regions) {
-  Mask anywhere(regions.front().geometry);
-  for (const Mask& region : regions) {
-    for (std::size_t n = 0; n < anywhere.voxels.size(); ++n) {
-      anywhere.voxels[n] |= region.voxels[n];
-    }
-  }
-  segmentation::Box box = segmentation::BoundsOf(anywhere);
-  const int margin = static_cast<int>(kMarginMm / kSpacingMm);
-  box.low = (box.low - margin).max(0);
-  box.high = (box.high + margin).min(anywhere.geometry.size - 1);
-  return box;
-}
-
-/// Where one atlas patient has the organ.
-Mask RegionOf(const Patient& patient, const CarriedLabels& carried, const Organ& organ,
-              double organ_hu, int num_threads) {
-  const volume::Label label = volume::LabelOf(organ.name);
-  if (organ.reach_mm > 0.0) {
-    const Mask aligned = segmentation::MaskOf(carried.aligned, label);
-    if (segmentation::Count(aligned) > 0) {
-      return Placed(patient.hu, aligned, organ_hu, organ.reach_mm, num_threads);
-    }
-  }
-  return segmentation::MaskOf(carried.organs, label);
-}
-
-/// None if no atlas patient has the organ where the CT shows the body.
-std::optional<Grid<float>> FindOrgan(const Patient& patient, const Organ& wanted,
-                                     const RunContext& context) {
-  const volume::Label organ = volume::LabelOf(wanted.name);
-  std::vector<Mask> regions, covered;
-  double organ_hu = 0.0;
-  for (const CarriedLabels& carried : patient.carried) {
-    const auto hu = carried.organ_hu.find(organ);
-    if (hu == carried.organ_hu.end()) continue;
-    regions.push_back(RegionOf(patient, carried, wanted, hu->second, context.num_threads));
-    covered.push_back(carried.covered);
-    organ_hu += hu->second;
-  }
-  if (regions.empty()) return std::nullopt;
-  const auto share = static_cast<float>(1.0 / static_cast<double>(regions.size()));
-  organ_hu *= static_cast<double>(share);
-
-  const segmentation::Box box = BoxAround(regions);
-  OrganSearch search{.hu = segmentation::Cropped(patient.hu, box), .prior_mm = {}, .allowed = {}};
-  search.prior_mm = Grid<float>(search.hu.geometry);
-  search.allowed = Mask(search.hu.geometry, 1);
-  for (std::size_t one = 0; one < regions.size(); ++one) {
-    const Grid<float> distance =
-        SignedDistanceMm(segmentation::Cropped(regions[one], box), context.num_threads);
-    const Mask known = segmentation::Cropped(covered[one], box);
-    for (std::size_t n = 0; n < known.voxels.size(); ++n) {
-      const float trust = known.voxels[n] != 0 ? 1.0F : kBeyondAtlas;
-      search.prior_mm.voxels[n] += share * trust * distance.voxels[n];
-    }
-  }
-  ForbidAirAndSkin(patient.labels, search.allowed);
-  return CutOrgan(search, organ_hu, context.num_threads);
 }
 
 /// The organ on the CT's own grid, where `labels` has nothing better.
@@ -208,10 +102,129 @@ void GiveLesionsToOrgans(LabelMap& organs) {
   }
 }
 
-LabelledPatient Read(const AtlasPatient& patient, const segmentation::TissueOptions& tissues,
-                     const RunContext& context) {
-  LabelledPatient out{
-      .ct = volume::ReadCt(patient.ct, patient.series, context), .tissues = {}, .organs = {}};
+/// The labels at the places of a grid.
+LabelMap OnGrid(const LabelMap& labels, const volume::Geometry& grid, int num_threads) {
+  LabelMap out(grid);
+  const Eigen::Affine3d ct_from_index = grid.ct_from_index();
+  const Eigen::Affine3d voxel_from_ct = labels.geometry.index_from_ct();
+  ParallelFor(grid.size[2], num_threads, [&](int k) {
+    for (int j = 0; j < grid.size[1]; ++j) {
+      for (int i = 0; i < grid.size[0]; ++i) {
+        out.At(i, j, k) =
+            volume::LabelAt(labels, voxel_from_ct, ct_from_index * Eigen::Vector3d(i, j, k));
+      }
+    }
+  });
+  return out;
+}
+
+bool IsKnown(const LabelMap& labels, const Organ& organ) {
+  return labels.names.contains(volume::LabelOf(std::string(organ.name)));
+}
+
+bool AreAllKnown(const LabelMap& labels) {
+  return std::ranges::all_of(kOrgans, [&](const Organ& organ) { return IsKnown(labels, organ); });
+}
+
+/// @return False, with a warning, if no patient has such a volume.
+bool Lay(const Organ& organ, const Mask& mask, LabelMap& labels, const RunContext& context) {
+  const std::string name(organ.name);
+  const double ml =
+      static_cast<double>(segmentation::Count(mask)) * mask.geometry.voxel_volume_mm3() / 1000.0;
+  if (ml < organ.least_ml || ml > organ.most_ml) {
+    context.Warn(Message("the atlas finds ", std::round(ml), " ml of ", name,
+                         ", which no patient has (", organ.least_ml, " to ", organ.most_ml,
+                         " ml); omitted"));
+    return false;
+  }
+  const volume::Label label = volume::LabelOf(name);
+  for (std::size_t n = 0; n < mask.voxels.size(); ++n) {
+    if (mask.voxels[n] != 0) labels.voxels[n] = label;
+  }
+  labels.names[label] = name;
+  return true;
+}
+
+/// Carries atlas patients onto one CT, and warns of those that show another part of the body.
+class Carrying {
+ public:
+  Carrying(const volume::CtVolume& ct, const LabelMap& labels)
+      : image_(ct, labels, kAtlasSpacingMm) {}
+
+  void Add(const LabelledPatient& other, const RunContext& context) {
+    auto carried = CarryLabels(other, image_, context);
+    if (carried) {
+      carried_.push_back(std::move(*carried));
+    } else {
+      context.Warn(Message(other.name, " of the atlas shares too little of the body with the CT"));
+    }
+  }
+  std::vector<OrganEvidence> AddOrgans(LabelMap& labels, const RunContext& context) {
+    return AddCarriedOrgans(image_, std::move(carried_), labels, context);
+  }
+
+ private:
+  PatientImage image_;
+  std::vector<CarriedLabels> carried_;
+};
+
+/// How well the organs of `patient` are found from `other`: Dice of each part.
+std::map<std::string, double> FoundBy(const LabelledPatient& other, const LabelledPatient& patient,
+                                      const RunContext& context) {
+  LabelMap labels = patient.tissues;
+  std::map<std::string, double> dice;
+  try {
+    Carrying carrying(patient.ct, patient.tissues);
+    carrying.Add(other, context);
+    carrying.AddOrgans(labels, context);
+  } catch (const NoAnswerError&) {
+    return dice;  // The two show different parts of the body.
+  }
+  const auto middle = segmentation::MiddleXMm(labels);
+  for (const Organ& organ : kOrgans) {
+    const std::string name(organ.name);
+    const auto parts_of = [&](const LabelMap& map) {
+      return segmentation::OrganParts(name, segmentation::MaskOf(map, volume::LabelOf(name)),
+                                      middle);
+    };
+    const auto found = parts_of(labels);
+    for (const auto& [part, mask] : parts_of(patient.organs)) {
+      const auto ours = std::ranges::find(found, part, [](const auto& p) { return p.first; });
+      dice[part] = ours == found.end() ? 0.0 : segmentation::Dice(ours->second, mask);
+    }
+  }
+  return dice;
+}
+
+/// Adds to the evidence how well each atlas patient finds the organs of the next.
+void CheckAtlas(const std::vector<LabelledPatient>& atlas, std::vector<OrganEvidence>& evidence,
+                const RunContext& context) {
+  std::map<std::string, std::pair<double, int>> sums;
+  for (std::size_t n = 0; n < atlas.size(); ++n) {
+    const LabelledPatient& next = atlas[(n + 1) % atlas.size()];
+    context.Checkpoint(Message("finding the organs of ", next.name, " from ", atlas[n].name),
+                       static_cast<double>(n) / static_cast<double>(atlas.size()));
+    for (const auto& [part, dice] : FoundBy(atlas[n], next, context)) {
+      sums[part].first += dice;
+      ++sums[part].second;
+    }
+  }
+  for (OrganEvidence& organ : evidence) {
+    const auto sum = sums.find(organ.name);
+    if (sum != sums.end()) organ.self_check = sum->second.first / sum->second.second;
+  }
+}
+
+}  // namespace
+
+LabelledPatient ReadLabelledPatient(const AtlasPatient& patient,
+                                    const segmentation::TissueOptions& tissues,
+                                    const RunContext& context) {
+  context.Checkpoint(Message("reading ", patient.name, " of the atlas"), 0.0);
+  LabelledPatient out{.name = patient.name,
+                      .ct = volume::ReadCt(patient.ct, patient.series, context),
+                      .tissues = {},
+                      .organs = {}};
   out.organs = segmentation::TissuesIn(
       segmentation::ReadImportedLabels(patient.labels, out.ct.geometry, context));
   GiveLesionsToOrgans(out.organs);
@@ -219,58 +232,52 @@ LabelledPatient Read(const AtlasPatient& patient, const segmentation::TissueOpti
   return out;
 }
 
-}  // namespace
-
-void AddAtlasOrgans(const volume::CtVolume& ct, const std::vector<AtlasPatient>& atlas,
-                    const segmentation::TissueOptions& tissues, LabelMap& labels,
-                    const RunContext& context) {
-  const auto is_known = [&](const Organ& organ) {
-    return labels.names.contains(volume::LabelOf(organ.name));
-  };
-  if (atlas.empty() || std::ranges::all_of(kOrgans, is_known)) return;
-  const PatientImage image(ct, labels, kSpacingMm);
-  Patient patient{.ct = ct,
-                  .labels = labels,
-                  .image = image,
-                  .hu = image.Hu(context.num_threads),
-                  .carried = {}};
-  for (const AtlasPatient& other : atlas) {
-    context.Checkpoint(Message("reading ", other.name, " of the atlas"), 0.0);
-    auto carried = CarryLabels(Read(other, tissues, context), image, context);
-    if (carried) {
-      patient.carried.push_back(std::move(*carried));
-    } else {
-      context.Warn(Message(other.name, " of the atlas shares too little of the body with the CT"));
-    }
-  }
-  if (patient.carried.empty()) {
+std::vector<OrganEvidence> AddCarriedOrgans(const PatientImage& image,
+                                            std::vector<CarriedLabels> carried, LabelMap& labels,
+                                            const RunContext& context) {
+  if (carried.empty()) {
     throw NoAnswerError(
         "no patient of the atlas shows the part of the body that the CT shows; add one that does");
   }
-  bool any = false;
+  const CarriedAtlas patient{.hu = image.Hu(context.num_threads),
+                             .tissues = OnGrid(labels, image.geometry(), context.num_threads),
+                             .carried = std::move(carried)};
+  const auto middle = segmentation::MiddleXMm(labels);
+  std::vector<OrganEvidence> evidence;
   for (const Organ& organ : kOrgans) {
-    const std::string name(organ.name);
-    const volume::Label label = volume::LabelOf(name);
-    if (is_known(organ)) continue;
-    context.Checkpoint(Message("finding the ", name), 0.0);
-    const auto u = FindOrgan(patient, organ, context);
-    if (!u) continue;
-    const Mask mask = OnCt(*u, labels, context.num_threads);
-    const double ml =
-        static_cast<double>(segmentation::Count(mask)) * ct.geometry.voxel_volume_mm3() / 1000.0;
-    if (ml < organ.least_ml || ml > organ.most_ml) {
-      context.Warn(Message("the atlas finds ", std::round(ml), " ml of ", name,
-                           ", which no patient has (", organ.least_ml, " to ", organ.most_ml,
-                           " ml); omitted"));
-      continue;
-    }
-    for (std::size_t n = 0; n < mask.voxels.size(); ++n) {
-      if (mask.voxels[n] != 0) labels.voxels[n] = label;
-    }
-    labels.names[label] = name;
-    any = true;
+    if (IsKnown(labels, organ)) continue;
+    context.Checkpoint(Message("finding the ", organ.name), 0.0);
+    const auto found = FindOrgan(patient, organ.name, organ.reach_mm, context.num_threads);
+    if (!found) continue;
+    if (!Lay(organ, OnCt(found->u, labels, context.num_threads), labels, context)) continue;
+    const auto parts = EvidenceOf(std::string(organ.name), *found, middle, context.num_threads);
+    evidence.insert(evidence.end(), parts.begin(), parts.end());
   }
-  if (!any) throw NoAnswerError("the atlas finds no organ in the CT");
+  if (evidence.empty()) throw NoAnswerError("the atlas finds no organ in the CT");
+  return evidence;
+}
+
+std::vector<OrganEvidence> AddAtlasOrgans(const volume::CtVolume& ct,
+                                          const std::vector<LabelledPatient>& atlas,
+                                          LabelMap& labels, const RunContext& context) {
+  if (atlas.empty() || AreAllKnown(labels)) return {};
+  Carrying carrying(ct, labels);
+  for (const LabelledPatient& other : atlas) carrying.Add(other, context);
+  std::vector<OrganEvidence> evidence = carrying.AddOrgans(labels, context);
+  if (atlas.size() > 1) CheckAtlas(atlas, evidence, context);
+  return evidence;
+}
+
+std::vector<OrganEvidence> AddAtlasOrgans(const volume::CtVolume& ct,
+                                          const std::vector<AtlasPatient>& atlas,
+                                          const segmentation::TissueOptions& tissues,
+                                          LabelMap& labels, const RunContext& context) {
+  if (AreAllKnown(labels)) return {};
+  std::vector<LabelledPatient> patients;
+  for (const AtlasPatient& other : atlas) {
+    patients.push_back(ReadLabelledPatient(other, tissues, context));
+  }
+  return AddAtlasOrgans(ct, patients, labels, context);
 }
 
 }  // namespace acus::atlas

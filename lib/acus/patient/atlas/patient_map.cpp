@@ -11,6 +11,7 @@
 #include "acus/patient/atlas/hu_density.h"
 #include "acus/patient/breathing_registration/phase_registration.h"
 #include "acus/patient/segmentation/voxels/crop.h"
+#include "acus/patient/segmentation/voxels/line_filter.h"
 
 namespace acus::atlas {
 namespace {
@@ -30,6 +31,7 @@ constexpr double kSmoothness = 1.0;   // Patients differ more smoothly than one 
 constexpr double kFirstNoise = 40.0;  // Before the organs' HU are known ...
 constexpr double kNoise = 20.0;       // ... and after.
 constexpr int kColourings = 2;
+constexpr double kLikenessMm = 6.0;        // Over which the differences of two CTs are averaged.
 constexpr std::size_t kLeastVoxels = 200;  // Of an organ whose HU is taken.
 constexpr double kOrganDepthMm = 6.0, kVesselDepthMm = 3.0;
 constexpr int kPeakBlurHu = 10;
@@ -94,7 +96,9 @@ class Carrier {
     const PhaseRegistration registration(Rounded(segmentation::Cropped(patient, box_)),
                                          {.is_tissue = is_tissue, .wall_mm = {}}, settings,
                                          context_);
-    field_ = registration.Register(Rounded(Aligned(atlas)), field_ ? &*field_ : nullptr, context_);
+    const volume::CtVolume aligned = Rounded(Aligned(atlas));
+    field_ = registration.Register(aligned, field_ ? &*field_ : nullptr, context_);
+    difference_ = registration.Difference(aligned, &*field_, context_.num_threads);
   }
 
   volume::LabelMap Organs() const {
@@ -149,24 +153,32 @@ class Carrier {
     CarriedLabels out{.organs = volume::LabelMap(patient_.geometry()),
                       .aligned = volume::LabelMap(patient_.geometry()),
                       .covered = Mask(patient_.geometry()),
+                      .likeness = Grid<float>(patient_.geometry()),
                       .organ_hu = std::move(organ_hu)};
-    const Eigen::Array3i& size = organs.geometry.size;
-    for (int k = 0; k < size[2]; ++k) {
-      for (int j = 0; j < size[1]; ++j) {
-        for (int i = 0; i < size[0]; ++i) {
-          const Eigen::Array3i at = box_.low + Eigen::Array3i(i, j, k);
-          out.organs.At(at[0], at[1], at[2]) = organs.At(i, j, k);
-          out.aligned.At(at[0], at[1], at[2]) = aligned.At(i, j, k);
-          out.covered.At(at[0], at[1], at[2]) = covered_.At(i, j, k);
-        }
-      }
-    }
+    segmentation::Paste<volume::Label>(organs, box_, out.organs);
+    segmentation::Paste<volume::Label>(aligned, box_, out.aligned);
+    segmentation::Paste(covered_, box_, out.covered);
+    segmentation::Paste(Likeness(), box_, out.likeness);
     return out;
   }
 
   const segmentation::Box& box() const { return box_; }
 
  private:
+  /// Likeness of the images that were bent last. @pre Bend was called.
+  Grid<float> Likeness() const {
+    Grid<float> squares(covered_.geometry);
+    ACUS_REQUIRE(squares.voxels.size() == difference_.voxels.size(),
+                 "atlas: the grid of the registration is another than that of the body");
+    std::ranges::transform(difference_.voxels, squares.voxels.begin(),
+                           [](float difference) { return difference * difference; });
+    squares = segmentation::Blurred(squares, kLikenessMm, context_.num_threads);
+    for (float& square : squares.voxels) {
+      square = 1.0F / (square + static_cast<float>(kNoise * kNoise));
+    }
+    return squares;
+  }
+
   /// The atlas's image on the patient's grid; beyond its edge as at the edge.
   Grid<float> Aligned(const Grid<float>& atlas) const {
     const ModelImage image(atlas, context_.num_threads);
@@ -193,6 +205,7 @@ class Carrier {
   segmentation::Box box_;
   Mask covered_;
   std::optional<PhaseField> field_;
+  Grid<float> difference_;  ///< Between the bent atlas and the patient.
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <string>
 
 #include "acus/base/core/run_context.h"
 #include "acus/patient/atlas/patient_image.h"
@@ -11,6 +12,7 @@ namespace acus::atlas {
 
 /// A labelled patient, for comparison with others.
 struct LabelledPatient {
+  std::string name;
   volume::CtVolume ct;
   volume::LabelMap tissues;  ///< As acus-segment finds them.
   volume::LabelMap organs;   ///< As drawn by a person, on the same grid.
@@ -18,9 +20,11 @@ struct LabelledPatient {
 
 /// What an atlas says of a patient.
 struct CarriedLabels {
-  volume::LabelMap organs;                   ///< On the patient's coarse grid; 0: nothing.
-  volume::LabelMap aligned;                  ///< The same before the atlas was bent.
-  segmentation::Mask covered;                ///< Where the atlas has the body too.
+  volume::LabelMap organs;     ///< On the patient's coarse grid; 0: nothing.
+  volume::LabelMap aligned;    ///< The same before the atlas was bent.
+  segmentation::Mask covered;  ///< Where the atlas has the body too.
+  /// How alike the two CTs are around each voxel, once bent: 1 / HU^2. Only ratios matter.
+  volume::Grid<float> likeness;
   std::map<volume::Label, double> organ_hu;  ///< In this patient: the most frequent HU of each.
 };
 

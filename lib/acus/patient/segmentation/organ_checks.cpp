@@ -19,6 +19,10 @@ constexpr double kLeastInOnePiece = 0.85;  ///< Of the organ.
 constexpr double kMostKidneyRatio = 1.8;   ///< Of the two volumes.
 constexpr double kMostKidneyStepMm = 60.0;
 constexpr double kMostInOtherHalfMm = 15.0;  ///< Of the centroid.
+/// Of a kidney's centroid, beside and in front of the spinal canal at its height: wide limits.
+constexpr double kLeastKidneyAsideMm = 25.0, kMostKidneyAsideMm = 110.0;
+constexpr double kLeastKidneyInFrontMm = -25.0, kMostKidneyInFrontMm = 75.0;
+constexpr double kNearHeightMm = 20.0;
 
 /// Volumes of adults: wide limits around published means, rounded; not a study's quantiles.
 struct Range {
@@ -53,12 +57,6 @@ Organ Measured(Mask mask) {
   }
   organ.centroid_mm /= std::max(count, 1.0);
   return organ;
-}
-
-std::optional<double> MiddleXMm(const volume::LabelMap& labels) {
-  const Mask canal = MaskOf(labels, volume::LabelOf("spinal_canal"));
-  if (Count(canal) == 0) return std::nullopt;
-  return Measured(canal).centroid_mm.x();
 }
 
 Mask OnSide(const Mask& mask, double middle_x_mm, double side) {
@@ -122,39 +120,90 @@ void CompareKidneys(const Organ& left, const Organ& right, OrganCheck& left_chec
   }
 }
 
-/// Both kidneys, or what there is without a middle to distinguish them.
-void AddKidneys(const Mask& mask, const Range& range, const std::optional<double>& middle_x_mm,
-                std::vector<OrganCheck>& checks) {
-  if (!middle_x_mm) {
-    Range both = range;
-    both.most_ml *= 2.0;
-    checks.push_back(Checked("kidney", Measured(mask), both, middle_x_mm));
-    return;
+/// The middle of the canal near a height; none if the canal does not reach it.
+std::optional<Eigen::Vector3d> CanalAt(const Mask& canal, double z_mm) {
+  const volume::Geometry& g = canal.geometry;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double count = 0.0;
+  for (int k = 0; k < g.size[2]; ++k) {
+    for (int j = 0; j < g.size[1]; ++j) {
+      for (int i = 0; i < g.size[0]; ++i) {
+        if (canal.At(i, j, k) == 0) continue;
+        const Eigen::Vector3d p = g.ct_from_index() * Eigen::Vector3d(i, j, k);
+        if (std::abs(p.z() - z_mm) > kNearHeightMm) continue;
+        sum += p;
+        ++count;
+      }
+    }
   }
-  const Organ left = Measured(OnSide(mask, *middle_x_mm, 1.0));
-  const Organ right = Measured(OnSide(mask, *middle_x_mm, -1.0));
-  std::vector<OrganCheck> found;
-  for (const auto& [name, organ] : {std::pair("kidney_left", &left), {"kidney_right", &right}}) {
-    if (Count(organ->mask) > 0) found.push_back(Checked(name, *organ, range, middle_x_mm));
+  return count > 0.0 ? std::optional<Eigen::Vector3d>(sum / count) : std::nullopt;
+}
+
+/// A kidney that is cut may have its centroid anywhere.
+void CheckPlace(const Organ& kidney, const Mask& canal, OrganCheck& check) {
+  const auto middle = CanalAt(canal, kidney.centroid_mm.z());
+  if (!middle || kidney.is_cut) return;
+  const double beside_mm = std::abs(kidney.centroid_mm.x() - middle->x());
+  const double in_front_mm = middle->y() - kidney.centroid_mm.y();
+  if (beside_mm < kLeastKidneyAsideMm || beside_mm > kMostKidneyAsideMm) {
+    check.doubts.push_back(
+        Message("its middle lies ", FixedText(beside_mm, 0), " mm beside the spinal canal, of ",
+                FixedText(kLeastKidneyAsideMm, 0), " to ", FixedText(kMostKidneyAsideMm, 0)));
   }
-  if (found.size() == 2) CompareKidneys(left, right, found[0], found[1]);
-  checks.insert(checks.end(), found.begin(), found.end());
+  if (in_front_mm < kLeastKidneyInFrontMm || in_front_mm > kMostKidneyInFrontMm) {
+    check.doubts.push_back(Message(
+        "its middle lies ", FixedText(in_front_mm, 0), " mm in front of the spinal canal, of ",
+        FixedText(kLeastKidneyInFrontMm, 0), " to ", FixedText(kMostKidneyInFrontMm, 0)));
+  }
+}
+
+void AddEvidence(const std::vector<OrganEvidence>& evidence, OrganCheck& check) {
+  const auto found = std::ranges::find(evidence, check.name, &OrganEvidence::name);
+  if (found == evidence.end()) return;
+  check.expected_dice = ExpectedDice(*found);
+  for (std::string& doubt : DoubtsIn(*found)) check.doubts.push_back(std::move(doubt));
 }
 
 }  // namespace
 
-std::vector<OrganCheck> CheckOrgans(const volume::LabelMap& labels) {
+std::optional<double> MiddleXMm(const volume::LabelMap& labels) {
+  const Mask canal = MaskOf(labels, volume::LabelOf("spinal_canal"));
+  if (Count(canal) == 0) return std::nullopt;
+  return Measured(canal).centroid_mm.x();
+}
+
+std::vector<std::pair<std::string, Mask>> OrganParts(const std::string& tissue, const Mask& organ,
+                                                     const std::optional<double>& middle_x_mm) {
+  std::vector<std::pair<std::string, Mask>> parts;
+  if (tissue == "kidney" && middle_x_mm) {
+    parts.emplace_back("kidney_left", OnSide(organ, *middle_x_mm, 1.0));
+    parts.emplace_back("kidney_right", OnSide(organ, *middle_x_mm, -1.0));
+  } else {
+    parts.emplace_back(tissue, organ);
+  }
+  std::erase_if(parts, [](const auto& part) { return Count(part.second) == 0; });
+  return parts;
+}
+
+std::vector<OrganCheck> CheckOrgans(const volume::LabelMap& labels,
+                                    const std::vector<OrganEvidence>& evidence) {
   const std::optional<double> middle = MiddleXMm(labels);
+  const Mask canal = MaskOf(labels, volume::LabelOf("spinal_canal"));
   std::vector<OrganCheck> checks;
   for (const Range& range : kRanges) {
-    const Mask mask = MaskOf(labels, volume::LabelOf(range.tissue));
-    if (Count(mask) == 0) continue;
-    if (range.side == 0.0) {
-      AddKidneys(mask, range, middle, checks);
-    } else {
-      checks.push_back(Checked(range.tissue, Measured(mask), range, middle));
+    std::vector<Organ> organs;
+    const std::size_t first = checks.size();
+    const Mask whole = MaskOf(labels, volume::LabelOf(range.tissue));
+    for (auto& [name, part] : OrganParts(range.tissue, whole, middle)) {
+      Range one = range;
+      if (name == "kidney") one.most_ml *= 2.0;  // Both.
+      organs.push_back(Measured(std::move(part)));
+      checks.push_back(Checked(name, organs.back(), one, middle));
+      if (name.starts_with("kidney_")) CheckPlace(organs.back(), canal, checks.back());
     }
+    if (organs.size() == 2) CompareKidneys(organs[0], organs[1], checks[first], checks[first + 1]);
   }
+  for (OrganCheck& check : checks) AddEvidence(evidence, check);
   return checks;
 }
 

@@ -138,6 +138,15 @@ std::optional<mesh::Surface> SurfaceOf(const std::string& name, const Mask& mask
   }
 }
 
+/// With contrast agent, edges within a kidney look like those of its surface, so that the expected
+/// Dice is too high.
+void DoubtKidneysWithContrast(std::vector<OrganCheck>& organs) {
+  for (OrganCheck& organ : organs) {
+    if (!organ.expected_dice || !organ.name.starts_with("kidney")) continue;
+    organ.doubts.emplace_back("with contrast agent, edges within it count as its surface");
+  }
+}
+
 /// body.stl and skin.stl.
 void WriteBody(const fs::path& folder, const volume::LabelMap& labels,
                const SurfaceOptions& options, const RunContext& context) {
@@ -214,7 +223,8 @@ SegmentedPatient Examine(const volume::CtVolume& ct, const SegmentationConfig& c
   patient.vertebrae =
       FindVertebrae(ct, found.labels, examination.start,
                     examination.vertebrae.voxels.empty() ? nullptr : &examination.vertebrae);
-  patient.organs = CheckOrgans(found.labels);
+  patient.organs = CheckOrgans(found.labels, examination.organs);
+  if (found.scan.enhanced) DoubtKidneysWithContrast(patient.organs);
   patient.parts =
       PartsOf(found.labels, found.scan, patient.vertebrae, patient.organs, context.num_threads);
   patient.scan = found.scan;

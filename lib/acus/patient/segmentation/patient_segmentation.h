@@ -49,9 +49,10 @@ TissuesFound SegmentPatient(const volume::CtVolume& ct, const SegmentationConfig
 
 /// What may be requested beside the labels.
 struct Examination {
-  bool certainty = false;              ///< How much the labels depend on the thresholds.
-  std::optional<NamedVertebra> start;  ///< The name of one vertebra.
-  volume::LabelMap vertebrae = {};     ///< Those of an import (VertebraeIn), or empty.
+  bool certainty = false;                  ///< How much the labels depend on the thresholds.
+  std::optional<NamedVertebra> start;      ///< The name of one vertebra.
+  volume::LabelMap vertebrae = {};         ///< Those of an import (VertebraeIn), or empty.
+  std::vector<OrganEvidence> organs = {};  ///< Of those that an atlas found.
 };
 
 /// Labels, what is known about them, and what a person should look at.

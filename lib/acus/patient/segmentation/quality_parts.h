@@ -22,9 +22,11 @@ struct PartQuality {
   std::string look_at;       ///< Files; empty if it is sure.
   std::string correct;       ///< Options of acus-segment; empty if it is sure.
   bool is_in_labels = true;  ///< As a tissue, so that a scenario may rely on it.
-  /// Of cases with and without doubts, the share whose Dice with the reference is at least 0.8;
-  /// measured by segmentation_measures. Empty for what has no such cases.
+  /// Of cases with and without doubts, the share whose Dice with the reference is at least 0.8
+  /// (organs: kRightOrganDice); measured by segmentation_measures. Empty for what has no such
+  /// cases: organs that do not come from an atlas, for example.
   std::optional<double> certainty = {};
+  std::optional<double> expected_dice = {};  ///< Of organs from an atlas.
 };
 
 /// Organs, names of vertebrae, spinal canal, discs and ligaments, bone, and skin: those that there

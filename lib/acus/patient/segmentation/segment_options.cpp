@@ -31,7 +31,7 @@ std::filesystem::path SegmentOptions::ConfigPath() const {
 }
 
 Examination SegmentOptions::ToExamine() const {
-  Examination examination{.certainty = certainty, .start = {}, .vertebrae = {}};
+  Examination examination{.certainty = certainty, .start = {}};
   if (!vertebra.empty()) examination.start = ParseVertebra(vertebra);
   return examination;
 }
@@ -85,8 +85,10 @@ void AddSegmentOptions(CLI::App& app, SegmentOptions& options) {
   auto* accept_option = app.add_flag("--accept-implausible", options.accept_implausible,
                                      "Take a map although it cannot be of this patient, or is in "
                                      "another frame of reference: only warn");
-  app.add_option("--atlas", options.atlas,
-                 "Folder with labelled CTs of other patients (atlas.json): liver, kidneys, spleen")
+  app.add_option("--atlas", options.atlases,
+                 "Folder with labelled CTs of other patients (atlas.json): liver, kidneys, spleen; "
+                 "may be given several times, all patients count")
+      ->allow_extra_args(false)
       ->check(CLI::ExistingDirectory);
   app.add_flag("--vessels", options.vessels,
                "Find the vessels inside the liver of a CT with contrast agent; the liver must be "

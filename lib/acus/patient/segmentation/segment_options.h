@@ -16,8 +16,8 @@ class App;
 namespace acus::segmentation {
 
 struct SegmentOptions {
-  std::filesystem::path ct, config, reference, folder, atlas;
-  std::vector<std::filesystem::path> imports, mappings;
+  std::filesystem::path ct, config, reference, folder;
+  std::vector<std::filesystem::path> imports, mappings, atlases;
   std::string series, vertebra;
   bool list_series = false, certainty = false, accept_implausible = false, vessels = false;
 

@@ -54,11 +54,16 @@ void WriteAtlas(const std::filesystem::path& folder, const phantom::Scan& scan) 
     "ct": "ct.nrrd", "labels": "labels.seg.nrrd"}]})");
 }
 
-LabelMap Found(const phantom::Scan& patient, const std::filesystem::path& atlas,
-               RunContext context) {
-  LabelMap labels = segmentation::FindTissues(patient.ct, Tissues(), context).labels;
-  AddAtlasOrgans(patient.ct, ReadAtlas(atlas, context), Tissues(), labels, context);
-  return labels;
+struct Organs {
+  LabelMap labels;
+  std::vector<segmentation::OrganEvidence> evidence;
+};
+
+Organs Found(const phantom::Scan& patient, const std::filesystem::path& atlas, RunContext context) {
+  Organs found{segmentation::FindTissues(patient.ct, Tissues(), context).labels, {}};
+  found.evidence =
+      AddAtlasOrgans(patient.ct, ReadAtlas({atlas}, context), Tissues(), found.labels, context);
+  return found;
 }
 
 double DiceOf(const char* name, const LabelMap& a, const LabelMap& b) {
@@ -77,10 +82,15 @@ TEST(AtlasOrgans, AreFoundInAPatientOfOtherSizesAndContrast) {
   const TemporaryFolder folder;
   WriteAtlas(folder.path(), Abdomen(2, 50));
   const phantom::Scan patient = Abdomen(1, 0);
-  const LabelMap found = Found(patient, folder.path(), TwoThreads());
-  EXPECT_GT(DiceOf("liver", found, patient.labels), 0.85);
-  EXPECT_GT(DiceOf("spleen", found, patient.labels), 0.8);
-  EXPECT_GT(DiceOf("kidney", found, patient.labels), 0.8);
+  const Organs found = Found(patient, folder.path(), TwoThreads());
+  EXPECT_GT(DiceOf("liver", found.labels, patient.labels), 0.85);
+  EXPECT_GT(DiceOf("spleen", found.labels, patient.labels), 0.8);
+  EXPECT_GT(DiceOf("kidney", found.labels, patient.labels), 0.8);
+  ASSERT_GE(found.evidence.size(), 3U);
+  for (const auto& organ : found.evidence) {
+    EXPECT_GT(organ.edge_share, 0.5) << organ.name;
+    EXPECT_FALSE(organ.self_check) << "the atlas has one patient";
+  }
 }
 
 TEST(AtlasOrgans, WhatIsKnownStays) {
@@ -89,7 +99,7 @@ TEST(AtlasOrgans, WhatIsKnownStays) {
   WriteAtlas(folder.path(), patient);
   RunContext context = TwoThreads();
   LabelMap labels = patient.labels;
-  AddAtlasOrgans(patient.ct, ReadAtlas(folder.path(), context), Tissues(), labels, context);
+  AddAtlasOrgans(patient.ct, ReadAtlas({folder.path()}, context), Tissues(), labels, context);
   EXPECT_EQ(labels.voxels, patient.labels.voxels);
 }
 

@@ -80,5 +80,44 @@ TEST(OrganChecks, OrgansInPiecesTooSmallOrOnTheOtherSideAreUnsure) {
   EXPECT_THAT(body.DoubtsOf("spleen"), Contains(HasSubstr("smaller than 40 ml")));
 }
 
+TEST(OrganChecks, AKidneyFarBesideTheSpineOrInFrontOfItIsUnsure) {
+  BodyWithOrgans body;
+  body.Ball("kidney", {60, 60, 0}, 33.6);
+  body.Ball("kidney", {-140, 60, 0}, 33.6);
+  EXPECT_THAT(body.DoubtsOf("kidney_left"), IsEmpty());
+  EXPECT_THAT(body.DoubtsOf("kidney_right"), Contains(HasSubstr("mm beside the spinal canal")));
+  BodyWithOrgans other;
+  other.Ball("kidney", {60, -40, 0}, 33.6);
+  EXPECT_THAT(other.DoubtsOf("kidney_left"), Contains(HasSubstr("mm in front of the spinal")));
+}
+
+TEST(OrganChecks, AnOrganFromAnAtlasIsSureOnlyWhereItsSurfaceLiesAtEdges) {
+  BodyWithOrgans body;
+  body.AllOrgans();
+  const auto kidney = [&](const OrganEvidence& evidence) {
+    for (const OrganCheck& organ : CheckOrgans(body.labels, {evidence})) {
+      if (organ.name == "kidney_left") return organ;
+      EXPECT_FALSE(organ.expected_dice) << organ.name;
+    }
+    return OrganCheck{};
+  };
+  const OrganEvidence held{.name = "kidney_left", .edge_share = 0.95, .covered_share = 1.0};
+  EXPECT_GE(kidney(held).expected_dice.value(), kRightOrganDice);
+  EXPECT_TRUE(kidney(held).is_sure());
+  const auto doubts_of = [&](const auto& change) {
+    OrganEvidence evidence = held;
+    change(evidence);
+    return kidney(evidence).doubts;
+  };
+  EXPECT_THAT(doubts_of([](auto& e) { e.edge_share = 0.6; }),
+              Contains(HasSubstr("only 60 % of its surface")));
+  EXPECT_THAT(doubts_of([](auto& e) { e.covered_share = 0.3; }),
+              Contains(HasSubstr("where the atlas shows the body")));
+  EXPECT_THAT(doubts_of([](auto& e) { e.barred_share = 0.4; }),
+              Contains(HasSubstr("bone, lung, gas")));
+  EXPECT_THAT(doubts_of([](auto& e) { e.self_check = 0.6; }),
+              Contains(HasSubstr("in each other with Dice 0.60")));
+}
+
 }  // namespace
 }  // namespace acus::segmentation

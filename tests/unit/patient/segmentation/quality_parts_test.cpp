@@ -99,6 +99,33 @@ TEST(QualityParts, StateTheirCertainty) {
   EXPECT_THAT(PartsTable(parts), AllOf(HasSubstr("certainty"), HasSubstr(" %")));
 }
 
+TEST(QualityParts, StateExpectedDiceAndCertaintyOfOrgansFromAnAtlas) {
+  const OrganCheck held{.name = "liver",
+                        .volume_ml = 1400,
+                        .least_ml = 594,
+                        .most_ml = 2250,
+                        .doubts = {},
+                        .expected_dice = 0.91};
+  OrganCheck free = held, imported = held;
+  free.name = "spleen";
+  free.doubts = {"only 60 % of its surface lies at an edge of the CT"};
+  free.expected_dice = 0.7;
+  imported.name = "kidney_left";
+  imported.expected_dice.reset();
+  const auto parts = PartsOf(Labels(1.0), {}, {}, {held, free, imported}, 1);
+  EXPECT_TRUE(Part(parts, "liver").is_sure);
+  EXPECT_GE(Part(parts, "liver").certainty.value(), kLeastCertainty);
+  EXPECT_THAT(Part(parts, "liver").why, HasSubstr("expected Dice 0.91"));
+  EXPECT_FALSE(Part(parts, "spleen").is_sure);
+  EXPECT_LT(Part(parts, "spleen").certainty.value(), kLeastCertainty);
+  EXPECT_FALSE(Part(parts, "kidney_left").certainty) << "only organs of an atlas were measured";
+  const testing_support::TemporaryFolder folder;
+  WriteQuality(folder / "quality.json", {}, {}, parts, {});
+  EXPECT_THAT(ReadTextFile(folder / "quality.json"), HasSubstr("\"expected_dice\": 0.91"));
+  EXPECT_THAT(UnsurePartsBeside(folder / "labels.seg.nrrd"),
+              testing::Contains(AllOf(HasSubstr("spleen (only 60 %"), HasSubstr("certainty"))));
+}
+
 TEST(QualityParts, AMissingSpineAndSkinAreUnsure) {
   volume::LabelMap labels = Labels(1.0);
   for (auto& label : labels.voxels) {
@@ -126,13 +153,26 @@ TEST(QualityPage, HasTheTableTheImagesAndTheVolumes) {
   const SyntheticBody body = MakeSyntheticBody({.noise_hu = 60.0});
   const auto config = ReadSegmentationConfig(ACUS_SOURCE_DIR "/configs/segmentation/default.json");
   const RunContext context;
-  const auto patient =
-      Examine(body.ct, config, SegmentPatient(body.ct, config, context), {}, context);
+  TissuesFound found = SegmentPatient(body.ct, config, context);
+  found.scan.enhanced = true;
+  // A kidney, as if from an atlas.
+  const Eigen::Array3i middle = found.labels.geometry.size / 2;
+  for (int n = 0; n < 5; ++n) {
+    found.labels.At(middle[0] + n, middle[1], middle[2]) = volume::LabelOf("kidney");
+  }
+  found.labels.names[volume::LabelOf("kidney")] = "kidney";
+  Examination examination;
+  for (const char* name : {"kidney", "kidney_left", "kidney_right"}) {
+    examination.organs.push_back({.name = name, .edge_share = 0.95, .covered_share = 1.0});
+  }
+  const auto patient = Examine(body.ct, config, std::move(found), examination, context);
   WritePatientFolder(folder / "out", body.ct, patient, config, context);
   const std::string page = acus::ReadTextFile(folder / "out" / "report.html");
-  EXPECT_THAT(page, AllOf(HasSubstr("What is sure, what is not"),
-                          HasSubstr("acus-segment --import"), HasSubstr("sagittal plane"),
-                          HasSubstr("as seen from behind"), HasSubstr("of adults, ml")));
+  EXPECT_THAT(page,
+              AllOf(HasSubstr("What is sure, what is not"), HasSubstr("acus-segment --import"),
+                    HasSubstr("sagittal plane"), HasSubstr("as seen from behind"),
+                    HasSubstr("of adults, ml"), HasSubstr("with contrast agent, edges within it"),
+                    HasSubstr("expected Dice 0.95")));
   EXPECT_TRUE(std::filesystem::exists(folder / "out" / "view_back.png"));
 }
 

@@ -174,13 +174,15 @@ void WriteQuality(const std::filesystem::path& path, const ScanParameters& scan,
               {"parts", json::array()},
               {"certainty", nullptr}};
   for (const PartQuality& part : parts) {
-    out["parts"].push_back({{"name", part.name},
-                            {"sure", part.is_sure},
-                            {"certainty", part.certainty ? json(*part.certainty) : json(nullptr)},
-                            {"why", part.why},
-                            {"look_at", part.look_at},
-                            {"correct", part.correct},
-                            {"in_labels", part.is_in_labels}});
+    out["parts"].push_back(
+        {{"name", part.name},
+         {"sure", part.is_sure},
+         {"certainty", part.certainty ? json(*part.certainty) : json(nullptr)},
+         {"expected_dice", part.expected_dice ? json(*part.expected_dice) : json(nullptr)},
+         {"why", part.why},
+         {"look_at", part.look_at},
+         {"correct", part.correct},
+         {"in_labels", part.is_in_labels}});
   }
   if (certainty) {
     json tissues = json::object();
