@@ -199,6 +199,10 @@ std::string HowTo(const CoachView& view) {
     case StepCondition::kTargetReached:
       return view.now.target_reached ? Translated("Hold the needle still.")
                                      : AdvanceText(view.needle);
+    case StepCondition::kPlungerPressed:
+      return Translated("I presses the plunger.");
+    case StepCondition::kPlungerPulled:
+      return Translated("Shift+I pulls the plunger, or removes the stylet.");
     case StepCondition::kProbeOnSkin:
     case StepCondition::kTargetInView:
     case StepCondition::kNeedleInPlane:

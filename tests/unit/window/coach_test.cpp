@@ -136,6 +136,9 @@ TEST(HowTo, NamesTheKeyOfEachStepThatNeedsAMovement) {
   }
   EXPECT_EQ(how(StepCondition::kNeedleWithdrawn), "Page Up withdraws the needle.");
   EXPECT_EQ(how(StepCondition::kBreathHeld), "B holds the breath.");
+  EXPECT_EQ(how(StepCondition::kPlungerPressed), "I presses the plunger.");
+  EXPECT_EQ(how(StepCondition::kPlungerPulled),
+            "Shift+I pulls the plunger, or removes the stylet.");
   view.breath_held = true;
   EXPECT_EQ(how(StepCondition::kPositionChecked), "");
   view.now.needle_in_tissue = view.now.target_reached = true;

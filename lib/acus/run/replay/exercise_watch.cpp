@@ -78,6 +78,7 @@ void ExerciseWatch::Obey(const session::Command& command) {
   if (command.kind == CommandKind::kDepth) field_ = FieldOf(scene_, command.value);
   if (command.kind == CommandKind::kHoldBreath) breath_held_ = true;
   if (command.kind == CommandKind::kBreatheOn) breath_held_ = false;
+  if (command.kind == CommandKind::kPlunger) plunger_n_ = command.value;
   if (command.kind != CommandKind::kSwapHands) return;
   needle_path_.path.Restart();
   probe_path_.path.Restart();
@@ -107,6 +108,7 @@ void ExerciseWatch::Add(const PoseSample& needle, const PoseSample* probe,
   effects_.Add(output);
   training::Situation now = SituationOf(needle, probe, field_, label_at_, situation_);
   now.breath_held = breath_held_;
+  now.plunger_n = plunger_n_;
   checklist_.Add(now_ns_, now, HasEnteredAvoided());
   const auto next = training::NextStep(checklist_.results());
   if (next != next_step_ || next_since_ns_ == 0) next_since_ns_ = now_ns_;

@@ -75,6 +75,7 @@ class ExerciseWatch {
   training::ChecklistMeter checklist_;
   bool has_probe_ = false;
   bool breath_held_ = false;
+  double plunger_n_ = 0.0;
   std::int64_t now_ns_ = 0;
   std::optional<std::size_t> next_step_;
   std::int64_t next_since_ns_ = 0;

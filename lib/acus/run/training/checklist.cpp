@@ -7,10 +7,10 @@
 namespace acus::training {
 namespace {
 
-constexpr std::array<std::string_view, 12> kConditionNames = {
-    "probe_on_skin", "target_in_view", "needle_in_plane",  "needle_in_tissue",
-    "breath_held",   "target_reached", "needle_withdrawn", "structures_spared",
-    "needle_seen",   "needle_at_skin", "needle_jiggled",   "position_checked"};
+constexpr std::array<std::string_view, 14> kConditionNames = {
+    "probe_on_skin",  "target_in_view",   "needle_in_plane",   "needle_in_tissue", "breath_held",
+    "target_reached", "needle_withdrawn", "structures_spared", "needle_seen",      "needle_at_skin",
+    "needle_jiggled", "position_checked", "plunger_pressed",   "plunger_pulled"};
 
 }  // namespace
 
@@ -62,6 +62,10 @@ bool ChecklistMeter::Holds(StepCondition condition, const Situation& now,
       return jiggle_.jiggled();
     case StepCondition::kPositionChecked:
       return now.breath_held && now.target_reached && now.needle_in_plane && now.target_in_view;
+    case StepCondition::kPlungerPressed:
+      return now.needle_in_tissue && now.plunger_n >= kLeastThumbN;
+    case StepCondition::kPlungerPulled:
+      return now.needle_in_tissue && now.plunger_n <= -kLeastThumbN;
   }
   return false;
 }

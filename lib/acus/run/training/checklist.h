@@ -27,7 +27,12 @@ enum class StepCondition {
   kNeedleAtSkin,      ///< Tissue begins at most 3 mm ahead of the tip, or the tip is in it.
   kNeedleJiggled,     ///< Moved back and forth in tissue and in the image plane; see JiggleMeter.
   kPositionChecked,   ///< Breath held, tip at the target, needle and target in the image.
+  kPlungerPressed,    ///< By kLeastThumbN or more, with the tip in tissue.
+  kPlungerPulled,     ///< The same; a stylet is removed so.
 };
+/// Force on a plunger or a stylet that counts as pressed or pulled.
+inline constexpr double kLeastThumbN = 1.0;
+
 std::string_view NameOf(StepCondition condition);
 /// Nothing for an unknown name.
 std::optional<StepCondition> StepConditionOf(std::string_view name);

@@ -35,6 +35,7 @@ struct Situation {
   std::optional<double> tip_to_target_mm;
   bool target_reached = false;
   bool breath_held = false;
+  double plunger_n = 0.0;  ///< Force of the thumb on a syringe or a stylet; below 0: pulls.
 };
 
 struct SituationOptions {

@@ -112,6 +112,27 @@ TEST(Checklist, ThePositionIsCheckedInAHeldBreath) {
   EXPECT_EQ(meter.results()[1].state, StepState::kDone);
 }
 
+TEST(Checklist, APlungerIsPressedOrPulledInTissue) {
+  ChecklistMeter meter({.steps = {{"press", StepCondition::kPlungerPressed, 0.0, ""},
+                                  {"pull", StepCondition::kPlungerPulled, 0.0, ""}}});
+  const auto add = [&meter](bool in_tissue, double plunger_n) {
+    Situation now;
+    now.needle_seen = true;
+    now.needle_in_tissue = in_tissue;
+    now.plunger_n = plunger_n;
+    meter.Add(kSecond, now, false);
+  };
+  add(false, 5.0);
+  add(false, -5.0);
+  add(true, 0.9);
+  add(true, -0.9);
+  EXPECT_EQ(NextStep(meter.results()), 0U) << "outside, or too gently";
+  add(true, 1.0);
+  EXPECT_EQ(NextStep(meter.results()), 1U);
+  add(true, -1.0);
+  EXPECT_FALSE(NextStep(meter.results()).has_value());
+}
+
 TEST(Checklist, HintsFadeWithTrials) {
   const HintOptions hints{.trials = 3, .wait_s = 10.0};
   EXPECT_TRUE(ShowsHint(hints, 1, 0.0));
@@ -123,7 +144,7 @@ TEST(Checklist, HintsFadeWithTrials) {
 }
 
 TEST(Checklist, WordsOfExerciseFiles) {
-  for (int i = 0; i <= static_cast<int>(StepCondition::kStructuresSpared); ++i) {
+  for (int i = 0; i <= static_cast<int>(StepCondition::kPlungerPulled); ++i) {
     const auto condition = static_cast<StepCondition>(i);
     EXPECT_EQ(StepConditionOf(NameOf(condition)), condition);
   }
