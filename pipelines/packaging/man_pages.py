@@ -20,7 +20,8 @@ def escaped(text):
 def items_of(items):
     for item in items:
         yield ".TP"
-        yield f".B {escaped(item.term)}"
+        # A list of values may be longer than a line: it breaks after a comma, and lines are not stretched.
+        yield f".B {escaped(item.term)}".replace(",", ",\\:")
         yield escaped(item.text) or "\\&"
 
 
@@ -38,6 +39,7 @@ def body_of(command):
 def page_of(command, version):
     name = command.name.replace(" ", "-")
     yield f'.TH {name.upper()} 1 "" "Acus {version}" "User Commands"'
+    yield ".ad l"
     yield ".SH NAME"
     yield f"{escaped(name)} \\- {escaped(command.summary)}"
     yield ".SH SYNOPSIS"
