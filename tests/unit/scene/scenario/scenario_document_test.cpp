@@ -40,7 +40,7 @@ TEST(ScenarioDocument, DecidesForEveryTextWhetherItIsAPath) {
       "/effects/pulsating_vessels/tissue",
       // Names in the table of the effect.
       "/effects/fluid/syringe", "/effects/fluid/bore", "/effects/fluid/epidural",
-      "/effects/fluid/subarachnoid", "/effects/fluid/vessel",
+      "/effects/fluid/space", "/effects/fluid/subarachnoid", "/effects/fluid/vessel",
       // Or a file, which the effect finds by itself.
       "/effects/pain_reaction/sound", "/effects/peristalsis/tissue", "/evidence/asked",
       "/evidence/machine", "/evidence/acus_version", "/evidence/session/name"};
