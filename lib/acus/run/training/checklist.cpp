@@ -36,7 +36,7 @@ ChecklistMeter::ChecklistMeter(Checklist checklist)
 
 bool ChecklistMeter::Holds(StepCondition condition, const Situation& now,
                            bool entered_avoided) const {
-  const bool withdrawn = was_in_tissue_ && now.needle_seen && !now.needle_in_tissue;
+  const bool withdrawn = was_inserted_ && now.needle_seen && !now.needle_in_tissue;
   switch (condition) {
     case StepCondition::kProbeOnSkin:
       return now.probe_on_skin;
@@ -70,8 +70,14 @@ bool ChecklistMeter::Holds(StepCondition condition, const Situation& now,
   return false;
 }
 
+void ChecklistMeter::NoteTissue(const Situation& now) {
+  if (!now.needle_in_tissue || !now.tip_mm) return;
+  if (!entry_mm_) entry_mm_ = *now.tip_mm;
+  was_inserted_ = was_inserted_ || (*now.tip_mm - *entry_mm_).norm() >= kLeastInsertionMm;
+}
+
 void ChecklistMeter::Add(std::int64_t time_ns, const Situation& now, bool entered_avoided) {
-  was_in_tissue_ = was_in_tissue_ || now.needle_in_tissue;
+  NoteTissue(now);
   if (now.tip_mm && now.needle_in_tissue && now.needle_in_plane) {
     jiggle_.Add(time_ns, *now.tip_mm);
   } else {

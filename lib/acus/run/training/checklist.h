@@ -21,7 +21,7 @@ enum class StepCondition {
   kNeedleInTissue,
   kBreathHeld,
   kTargetReached,
-  kNeedleWithdrawn,   ///< Out of tissue, after it was in it.
+  kNeedleWithdrawn,   ///< Out of tissue, after it was in it by kLeastInsertionMm.
   kStructuresSpared,  ///< At the target or withdrawn without an entry; fails at the first entry.
   kNeedleSeen,        ///< The tracker sees it.
   kNeedleAtSkin,      ///< Tissue begins at most 3 mm ahead of the tip, or the tip is in it.
@@ -59,6 +59,10 @@ struct StepResult {
   std::int64_t time_ns = 0;  ///< Session time when it was done or failed.
 };
 
+/// A tip that has been in tissue is withdrawn only after it was this far from where it came in:
+/// tremor at the skin is no withdrawal.
+inline constexpr double kLeastInsertionMm = 2.0;
+
 /// Ticks steps off, sample by sample. A step that is done or failed does not change any more.
 class ChecklistMeter {
  public:
@@ -74,7 +78,10 @@ class ChecklistMeter {
   Checklist checklist_;
   std::vector<StepResult> results_;
   std::vector<std::optional<std::int64_t>> since_ns_;  ///< Since when the condition holds.
-  bool was_in_tissue_ = false;
+  void NoteTissue(const Situation& now);
+
+  std::optional<Eigen::Vector3d> entry_mm_;  ///< The first place of the tip in tissue.
+  bool was_inserted_ = false;
   JiggleMeter jiggle_;  ///< Motion of the tip while the needle is in the image plane.
 };
 

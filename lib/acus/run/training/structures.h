@@ -11,6 +11,7 @@
 
 #include "acus/data/session/session.h"
 #include "acus/data/volume/volume.h"
+#include "acus/run/training/motion_metrics.h"
 
 namespace acus::training {
 
@@ -22,13 +23,15 @@ struct StructureEntered {
   /// Entries of the tip; another one counts only after the tip was kReentryMm away from its exit. A
   /// distance, not a path length: tremor at a surface is no entry, at any sampling rate.
   int num_entries = 0;
-  double path_mm = 0.0;  ///< Path length of the tip within it.
+  /// Path length of the tip within it, over the samples of PathPacer, as the path in tissue: tremor
+  /// does not make it grow with the sampling rate.
+  double path_mm = 0.0;
   std::int64_t first_ns = 0;
 };
 
 inline constexpr double kReentryMm = 1.0;
 
-/// All labels except 0 that the tip was in, in order of label. The path between two samples is
+/// All labels except 0 that the tip was in, in order of label. The line between two samples is
 /// straight and is sampled every 0.25 mm, so that a quick stab through a thin vessel is found.
 std::vector<StructureEntered> StructuresEntered(const session::PoseStream& needle,
                                                 const LabelAtPoint& label_at,
@@ -42,7 +45,7 @@ class StructureMeter {
   /// Samples that are not valid are ignored.
   void Add(const session::PoseSample& sample);
   /// The needle has changed hands: the path to the next sample is ignored.
-  void Restart() { last_mm_.reset(); }
+  void Restart();
   std::vector<StructureEntered> entered() const;
   /// Entries so far, the sum over all of these labels.
   int EntriesInto(std::span<const volume::Label> labels) const;
@@ -53,11 +56,14 @@ class StructureMeter {
     Eigen::Vector3d left_mm = Eigen::Vector3d::Zero();         ///< Last tip position in it.
     double away_mm = std::numeric_limits<double>::infinity();  ///< Largest distance since.
   };
-  void Look(const Eigen::Vector3d& tip_mm, double step_mm, std::int64_t time_ns);
+  void Look(const Eigen::Vector3d& tip_mm, std::int64_t time_ns);
+  void AddPathTo(std::map<volume::Label, Visit>& visits) const;
 
   LabelAtPoint label_at_;
   std::map<volume::Label, Visit> visits_;
   std::optional<Eigen::Vector3d> last_mm_;
+  PathPacer pacer_;
+  std::optional<Eigen::Vector3d> taken_mm_;
 };
 
 }  // namespace acus::training

@@ -16,9 +16,11 @@ TEST(Checklist, TicksInOrderAndKeepsTicks) {
   Situation now;
   now.needle_seen = true;
   now.needle_in_tissue = true;
+  now.tip_mm = Eigen::Vector3d(0, 0, 1);
   meter.Add(1 * kSecond, now, false);
   EXPECT_EQ(NextStep(meter.results()), 0U) << "a step waits for those before it";
   now.probe_on_skin = true;
+  now.tip_mm = Eigen::Vector3d(0, 0, 6);
   meter.Add(2 * kSecond, now, false);
   EXPECT_EQ(meter.results()[0].state, StepState::kOpen) << "contact has to last";
   meter.Add(2 * kSecond + kSecond / 2, now, false);
@@ -42,6 +44,26 @@ TEST(Checklist, AConditionThatBreaksStartsAgain) {
   EXPECT_EQ(meter.results()[0].state, StepState::kOpen);
   meter.Add(3 * kSecond, on, false);
   EXPECT_EQ(meter.results()[0].state, StepState::kDone);
+}
+
+TEST(Checklist, TremorAtTheSkinIsNoWithdrawal) {
+  ChecklistMeter meter({.steps = {{"out", StepCondition::kNeedleWithdrawn, 0.0, ""},
+                                  {"spare", StepCondition::kStructuresSpared, 0.0, ""}}});
+  const auto add = [&meter](double z_mm) {
+    Situation now;
+    now.needle_seen = true;
+    now.needle_in_tissue = z_mm > 0.0;
+    now.tip_mm = Eigen::Vector3d(0, 0, z_mm);
+    meter.Add(kSecond, now, false);
+  };
+  for (int i = 0; i < 50; ++i) add(i % 2 == 0 ? 0.3 : -0.3);
+  add(1.5);
+  add(-1.0);
+  EXPECT_EQ(NextStep(meter.results()), 0U);
+  EXPECT_EQ(meter.results()[1].state, StepState::kOpen);
+  add(8.0);
+  add(-1.0);
+  EXPECT_FALSE(NextStep(meter.results()).has_value());
 }
 
 TEST(Checklist, StructuresAreSparedOnlyToTheEnd) {

@@ -97,6 +97,26 @@ TEST(Structures, EntriesDoNotGrowWithTheRateOfSamples) {
   }
 }
 
+// A hand that trembles by 0.1 mm advances by 50 mm in 10 s, 48 mm of them in skin.
+TEST(Structures, PathsAddUpToThePathInTissueAtAnyRate) {
+  const auto labels = Tissue();
+  for (const int hz : {8, 60, 1000}) {
+    RandomStream random(7, "tremor", 0);
+    Session session;
+    for (int i = 0; i <= 10 * hz; ++i) {
+      const double t_s = static_cast<double>(i) / hz;
+      session.needle.push_back(At(t_s, {0, 0, 2.0 + 5.0 * t_s + 0.1 * random.Normal()}));
+    }
+    const auto entered = NamedStructuresOf(session, {labels});
+    ASSERT_EQ(entered.size(), 2);
+    EXPECT_NEAR(entered[0].entered.path_mm, 48.0, 2.0) << hz;
+    EXPECT_NEAR(entered[1].entered.path_mm, 2.0, 0.6) << hz;
+    EXPECT_NEAR(entered[0].entered.path_mm + entered[1].entered.path_mm,
+                ValueOf(NeedleMetricsOf(session, {labels}), "needle path in tissue"), 0.3)
+        << hz;
+  }
+}
+
 TEST(Structures, ReportsWhatThePatientsMapDoesNotDistinguish) {
   const auto labels = Tissue();
   EXPECT_THAT(NotInMap({"vessel", "bowel"}, labels), ElementsAre("bowel"));
