@@ -31,8 +31,8 @@ int main(int argc, char** argv) {
   const char* kinds =
       "lumbar (puncture at L3/L4), liver (biopsy of a lesion), liver_ptc (drainage of a bile "
       "duct), kidney (puncture of its lower half), shoulder (puncture of the bursa), and "
-      "shoulder_effusion, "
-      "shoulder_calcification, shoulder_tear; bursa_injection, nephrostomy (dilated renal pelvis) "
+      "shoulder_effusion, shoulder_calcification, shoulder_tear; bursa_injection, nephrostomy "
+      "(dilated renal pelvis) "
       "and liver_cyst, for these procedures";
   patient->add_option("kind", kind, kinds)
       ->required()

@@ -327,9 +327,7 @@ void WriteOrganCases(std::ostream& out, const Patient& patient, const Copy& copy
       const auto check = std::ranges::find(checks, e.name, &segmentation::OrganCheck::name);
       const std::size_t doubts = check == checks.end() ? 0 : check->doubts.size();
       out << patient.name << ',' << copy.name << ',' << atlas << ',' << e.name << ',' << doubts;
-      for (const double value : {dice.at(e.name), e.edge_share, e.edge_offset_mm, e.even_share,
-                                 e.expected_even, e.expected_dice, e.barred_share, e.wall_share,
-                                 e.volume_ratio, e.covered_share, e.atlas_dice.value_or(-1.0)}) {
+      for (const double value : {dice.at(e.name), e.edge_share, e.barred_share, e.covered_share}) {
         out << ',' << FixedText(value, 3);
       }
       out << std::endl;
@@ -481,9 +479,7 @@ int main(int argc, char** argv) {
     }
     if (with_organs) {
       if (!total || !ircad) return acus::ExitCode::kOk;
-      std::cout << "patient,copy,atlas,organ,doubts,dice,edge_share,edge_offset_mm,even_share,"
-                   "expected_even,expected_dice,barred_share,wall_share,volume_ratio,"
-                   "covered_share,atlas_dice\n";
+      std::cout << "patient,copy,atlas,organ,doubts,dice,edge_share,barred_share,covered_share\n";
       const auto phantom = SyntheticAtlas(1, context);
       if (only != "ircadb01") MeasureOrgans(*total, {AsAtlas(*ircad, context), phantom}, context);
       if (only != "totalseg example") {

@@ -17,8 +17,6 @@ using segmentation::Mask;
 using segmentation::OrganEvidence;
 using volume::Grid;
 
-constexpr double kEvenHu = 30.0;  // Of an organ's HU around the most frequent one, noise included.
-constexpr double kCoreMm = 4.0;   // Under the surface.
 constexpr double kEdgeStepHu = 15.0;   // Least difference across an edge.
 constexpr double kEdgeOffsetMm = 3.0;  // Farthest steepest change from the surface.
 constexpr double kStepMm = 1.5;        // Along the normal.
@@ -27,19 +25,6 @@ constexpr double kNormalBlurMm = 3.0;
 
 double ShareOf(double part, double all) {
   return all > 0.0 ? part / all : 0.0;
-}
-
-/// Share of the voxels deep inside a region that have the HU of the organ.
-double EvenShare(const FoundOrgan& found, const Mask& region, int num_threads) {
-  Mask core = segmentation::Eroded(region, kCoreMm, num_threads);
-  if (segmentation::Count(core) == 0) core = region;
-  double all = 0.0, even = 0.0;
-  for (std::size_t n = 0; n < core.voxels.size(); ++n) {
-    if (core.voxels[n] == 0) continue;
-    ++all;
-    even += std::abs(found.search.hu.voxels[n] - found.organ_hu) <= kEvenHu ? 1.0 : 0.0;
-  }
-  return ShareOf(even, all);
 }
 
 /// HU across the surface, from inside to outside.
@@ -95,12 +80,12 @@ bool IsOnSurface(const Mask& mask, const Eigen::Vector3i& at) {
   return false;
 }
 
-void MeasureEdges(const FoundOrgan& found, const Mask& part, int num_threads,
-                  OrganEvidence& evidence) {
+/// Share of the surface that lies at an edge of the CT.
+double EdgeShare(const FoundOrgan& found, const Mask& part, int num_threads) {
   Grid<float> soft(part.geometry);
   std::ranges::copy(part.voxels, soft.voxels.begin());
   soft = segmentation::Blurred(soft, kNormalBlurMm, num_threads);
-  double all = 0.0, edges = 0.0, with_step = 0.0, offset_mm = 0.0;
+  double all = 0.0, edges = 0.0;
   const Eigen::Array3i& size = part.geometry.size;
   for (int k = 0; k < size[2]; ++k) {
     for (int j = 0; j < size[1]; ++j) {
@@ -111,15 +96,13 @@ void MeasureEdges(const FoundOrgan& found, const Mask& part, int num_threads,
         // The surface lies half a voxel outside the last voxel of the organ.
         const Edge edge = EdgeAt(found.search.hu, at.cast<double>() + 0.5 * outwards, outwards);
         ++all;
-        if (edge.step_hu < kEdgeStepHu) continue;
-        ++with_step;
-        offset_mm += std::abs(edge.offset_mm);
-        edges += std::abs(edge.offset_mm) <= kEdgeOffsetMm ? 1.0 : 0.0;
+        const bool is_held =
+            edge.step_hu >= kEdgeStepHu && std::abs(edge.offset_mm) <= kEdgeOffsetMm;
+        edges += is_held ? 1.0 : 0.0;
       }
     }
   }
-  evidence.edge_share = ShareOf(edges, all);
-  evidence.edge_offset_mm = ShareOf(offset_mm, with_step);
+  return ShareOf(edges, all);
 }
 
 /// Share of the voxels of a region that have one of some labels.
@@ -144,18 +127,6 @@ double SharedPart(const Mask& region, const Mask& other) {
   return ShareOf(both, all);
 }
 
-/// What the parts of several atlas patients with one name agree in, mean over pairs.
-std::optional<double> Agreement(const std::vector<Mask>& parts) {
-  double sum = 0.0, pairs = 0.0;
-  for (std::size_t a = 0; a < parts.size(); ++a) {
-    for (std::size_t b = a + 1; b < parts.size(); ++b) {
-      sum += segmentation::Dice(parts[a], parts[b]);
-      ++pairs;
-    }
-  }
-  return pairs > 0.0 ? std::optional(sum / pairs) : std::nullopt;
-}
-
 /// The part of that name; empty if there is none.
 Mask PartNamed(const std::string& name, const std::string& tissue, const Mask& organ,
                const std::optional<double>& middle_x_mm) {
@@ -172,7 +143,6 @@ std::vector<OrganEvidence> EvidenceOf(const std::string& tissue, const FoundOrga
   static const std::array kBarred = {volume::Label{0},        volume::LabelOf("skin"),
                                      volume::LabelOf("lung"), volume::LabelOf("gas"),
                                      volume::LabelOf("bone"), volume::LabelOf("spinal_canal")};
-  static const std::array kMuscle = {volume::LabelOf("muscle")};
   Mask organ(found.u.geometry), expected(found.u.geometry);
   for (std::size_t n = 0; n < organ.voxels.size(); ++n) {
     organ.voxels[n] = found.u.voxels[n] > 0.5F ? 1 : 0;
@@ -181,22 +151,10 @@ std::vector<OrganEvidence> EvidenceOf(const std::string& tissue, const FoundOrga
   std::vector<OrganEvidence> out;
   for (const auto& [name, part] : segmentation::OrganParts(tissue, organ, middle_x_mm)) {
     const Mask wanted = PartNamed(name, tissue, expected, middle_x_mm);
-    OrganEvidence evidence{.name = name};
-    MeasureEdges(found, part, num_threads, evidence);
-    evidence.even_share = EvenShare(found, part, num_threads);
-    evidence.expected_even = EvenShare(found, wanted, num_threads);
-    evidence.expected_dice = segmentation::Dice(part, wanted);
-    evidence.barred_share = LabelledShare(wanted, found.tissues, kBarred);
-    evidence.wall_share = LabelledShare(part, found.tissues, kMuscle);
-    evidence.volume_ratio = ShareOf(static_cast<double>(segmentation::Count(part)),
-                                    static_cast<double>(segmentation::Count(wanted)));
-    evidence.covered_share = SharedPart(part, found.covered);
-    std::vector<Mask> each;
-    for (const Mask& one : found.expected) {
-      each.push_back(PartNamed(name, tissue, one, middle_x_mm));
-    }
-    evidence.atlas_dice = Agreement(each);
-    out.push_back(std::move(evidence));
+    out.push_back({.name = name,
+                   .edge_share = EdgeShare(found, part, num_threads),
+                   .barred_share = LabelledShare(wanted, found.tissues, kBarred),
+                   .covered_share = SharedPart(part, found.covered)});
   }
   return out;
 }

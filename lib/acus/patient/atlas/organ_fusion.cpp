@@ -89,18 +89,19 @@ std::optional<FoundOrgan> FindOrgan(const CarriedAtlas& patient, std::string_vie
   const volume::Label organ = volume::LabelOf(std::string(tissue));
   std::vector<Mask> regions;
   std::vector<const CarriedLabels*> having;
-  FoundOrgan out;
+  double organ_hu = 0.0;
   for (const CarriedLabels& carried : patient.carried) {
     const auto hu = carried.organ_hu.find(organ);
     if (hu == carried.organ_hu.end()) continue;
     regions.push_back(RegionOf(patient, carried, organ, hu->second, reach_mm, num_threads));
     having.push_back(&carried);
-    out.organ_hu += hu->second;
+    organ_hu += hu->second;
   }
   if (regions.empty()) return std::nullopt;
-  out.organ_hu /= static_cast<double>(regions.size());
+  organ_hu /= static_cast<double>(regions.size());
 
   const segmentation::Box box = BoxAround(regions);
+  FoundOrgan out;
   out.search.hu = segmentation::Cropped(patient.hu, box);
   const volume::Geometry& grid = out.search.hu.geometry;
   out.search.prior_mm = Grid<float>(grid);
@@ -109,14 +110,14 @@ std::optional<FoundOrgan> FindOrgan(const CarriedAtlas& patient, std::string_vie
   out.tissues.voxels = segmentation::Cropped<volume::Label>(patient.tissues, box).voxels;
   Grid<float> weights(grid);
   for (std::size_t one = 0; one < regions.size(); ++one) {
-    out.expected.push_back(segmentation::Cropped(regions[one], box));
-    AddPrior(out.expected.back(), *having[one], box, num_threads, out, weights);
+    AddPrior(segmentation::Cropped(regions[one], box), *having[one], box, num_threads, out,
+             weights);
   }
   for (std::size_t n = 0; n < weights.voxels.size(); ++n) {
     out.search.prior_mm.voxels[n] /= weights.voxels[n];
   }
   out.search.allowed = AllowedIn(out.tissues);
-  out.u = CutOrgan(out.search, out.organ_hu, num_threads);
+  out.u = CutOrgan(out.search, organ_hu, num_threads);
   return out;
 }
 

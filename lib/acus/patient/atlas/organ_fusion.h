@@ -17,13 +17,11 @@ struct CarriedAtlas {
   std::vector<CarriedLabels> carried;
 };
 
-/// An organ as it was cut out, and where it was expected. All on one cubic grid.
+/// An organ as it was cut out, and what it was cut from. All on one cubic grid.
 struct FoundOrgan {
   OrganSearch search;
-  volume::Grid<float> u;  ///< In [0, 1]; above 0.5 is the organ.
-  double organ_hu = 0.0;
-  std::vector<segmentation::Mask> expected;  ///< Of each atlas patient.
-  segmentation::Mask covered;                ///< What at least one of them shows.
+  volume::Grid<float> u;       ///< In [0, 1]; above 0.5 is the organ.
+  segmentation::Mask covered;  ///< What at least one atlas patient shows.
   volume::LabelMap tissues;
 };
 

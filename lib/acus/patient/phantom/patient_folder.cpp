@@ -75,20 +75,16 @@ Insertion WriteInsertion(const std::filesystem::path& folder, const PatientField
       PlayScript(field, plan, config.session, config.markers.reference_from_ct, context);
   std::filesystem::create_directory(folder / "sessions");
   session::WriteSession(folder / "sessions" / config.session.name, scripted.session, context);
-  const ScriptedSession demonstration =
-      PlayScript(field, plan, DemonstrationOf(field, plan, config.session),
-                 config.markers.reference_from_ct, context);
-  session::WriteSession(folder / kDemonstration, demonstration.session, context);
-  std::vector<FluidDemonstration> demonstrations = config.session.demonstrations;
-  if (const auto epidural = EpiduralDemonstrationOf(field, plan, config.session)) {
-    session::WriteSession(
-        folder / epidural->name,
-        PlayScript(field, plan, *epidural, config.markers.reference_from_ct, context).session,
-        context);
-    demonstrations.push_back(kSpinalDemonstration);
+  std::vector<SessionSettings> demonstrations = {DemonstrationOf(field, plan, config.session)};
+  std::vector<FluidDemonstration> with_fluid = config.session.demonstrations;
+  if (auto epidural = EpiduralDemonstrationOf(field, plan, config.session)) {
+    demonstrations.push_back(std::move(*epidural));
+    with_fluid.push_back(kSpinalDemonstration);
   }
-  for (const FluidDemonstration& fluid : demonstrations) {
-    const SessionSettings shown = FluidDemonstrationOf(field, plan, config.session, fluid);
+  for (const FluidDemonstration& fluid : with_fluid) {
+    demonstrations.push_back(FluidDemonstrationOf(field, plan, config.session, fluid));
+  }
+  for (const SessionSettings& shown : demonstrations) {
     session::WriteSession(
         folder / shown.name,
         PlayScript(field, plan, shown, config.markers.reference_from_ct, context).session, context);

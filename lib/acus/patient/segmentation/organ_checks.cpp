@@ -19,7 +19,8 @@ constexpr double kLeastInOnePiece = 0.85;  ///< Of the organ.
 constexpr double kMostKidneyRatio = 1.8;   ///< Of the two volumes.
 constexpr double kMostKidneyStepMm = 60.0;
 constexpr double kMostInOtherHalfMm = 15.0;  ///< Of the centroid.
-/// Of a kidney's centroid, beside and in front of the spinal canal at its height: wide limits.
+/// Where a kidney's centroid lies beside and in front of the spinal canal at its height: wide
+/// limits.
 constexpr double kLeastKidneyAsideMm = 25.0, kMostKidneyAsideMm = 110.0;
 constexpr double kLeastKidneyInFrontMm = -25.0, kMostKidneyInFrontMm = 75.0;
 constexpr double kNearHeightMm = 20.0;
@@ -43,12 +44,13 @@ struct Organ {
 Organ Measured(Mask mask) {
   Organ organ{.mask = std::move(mask)};
   const volume::Geometry& g = organ.mask.geometry;
+  const Eigen::Affine3d ct_from_index = g.ct_from_index();
   double count = 0.0;
   for (int k = 0; k < g.size[2]; ++k) {
     for (int j = 0; j < g.size[1]; ++j) {
       for (int i = 0; i < g.size[0]; ++i) {
         if (organ.mask.At(i, j, k) == 0) continue;
-        organ.centroid_mm += g.ct_from_index() * Eigen::Vector3d(i, j, k);
+        organ.centroid_mm += ct_from_index * Eigen::Vector3d(i, j, k);
         ++count;
         const Eigen::Array3i at(i, j, k);
         organ.is_cut = organ.is_cut || (at == 0).any() || (at == g.size - 1).any();
@@ -62,10 +64,11 @@ Organ Measured(Mask mask) {
 Mask OnSide(const Mask& mask, double middle_x_mm, double side) {
   Mask out = mask;
   const volume::Geometry& g = mask.geometry;
+  const Eigen::Affine3d ct_from_index = g.ct_from_index();
   for (int k = 0; k < g.size[2]; ++k) {
     for (int j = 0; j < g.size[1]; ++j) {
       for (int i = 0; i < g.size[0]; ++i) {
-        const double x = (g.ct_from_index() * Eigen::Vector3d(i, j, k)).x();
+        const double x = (ct_from_index * Eigen::Vector3d(i, j, k)).x();
         if ((x - middle_x_mm) * side <= 0.0) out.At(i, j, k) = 0;
       }
     }
@@ -123,13 +126,14 @@ void CompareKidneys(const Organ& left, const Organ& right, OrganCheck& left_chec
 /// The middle of the canal near a height; none if the canal does not reach it.
 std::optional<Eigen::Vector3d> CanalAt(const Mask& canal, double z_mm) {
   const volume::Geometry& g = canal.geometry;
+  const Eigen::Affine3d ct_from_index = g.ct_from_index();
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double count = 0.0;
   for (int k = 0; k < g.size[2]; ++k) {
     for (int j = 0; j < g.size[1]; ++j) {
       for (int i = 0; i < g.size[0]; ++i) {
         if (canal.At(i, j, k) == 0) continue;
-        const Eigen::Vector3d p = g.ct_from_index() * Eigen::Vector3d(i, j, k);
+        const Eigen::Vector3d p = ct_from_index * Eigen::Vector3d(i, j, k);
         if (std::abs(p.z() - z_mm) > kNearHeightMm) continue;
         sum += p;
         ++count;

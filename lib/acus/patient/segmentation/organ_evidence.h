@@ -10,17 +10,10 @@ namespace acus::segmentation {
 /// Measured without a reference, on the grid of the registration. Shares are between 0 and 1.
 /// "Expected": where the bent or shifted atlas has the organ.
 struct OrganEvidence {
-  std::string name;             ///< "liver", "kidney_left": as in OrganCheck.
-  double edge_share = 0.0;      ///< Of the surface, at an edge of the CT.
-  double edge_offset_mm = 0.0;  ///< Mean distance of the steepest change of HU from the surface.
-  double even_share = 0.0;      ///< Of the organ's core, with the HU of the organ.
-  double expected_even = 0.0;   ///< The same of the core of what was expected.
-  double expected_dice = 0.0;   ///< Between the organ and what was expected.
-  double barred_share = 0.0;    ///< Of what was expected, in bone, lung, gas, skin or air.
-  double wall_share = 0.0;      ///< Of the organ, taken from muscle.
-  double volume_ratio = 0.0;    ///< Of the organ to what was expected.
-  double covered_share = 0.0;   ///< Of the organ, that the CT of at least one atlas patient shows.
-  std::optional<double> atlas_dice = {};  ///< Between atlas patients, mean; none with only one.
+  std::string name;            ///< "liver", "kidney_left": as in OrganCheck.
+  double edge_share = 0.0;     ///< Of the surface, at an edge of the CT.
+  double barred_share = 0.0;   ///< Of what was expected, in bone, lung, gas, skin or air.
+  double covered_share = 0.0;  ///< Of the organ, that the CT of at least one atlas patient shows.
   std::optional<double> self_check = {};  ///< Dice of atlas patients found by each other, mean.
 };
 

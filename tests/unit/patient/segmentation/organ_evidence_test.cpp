@@ -27,13 +27,13 @@ std::vector<OrganCase> MeasuredCases() {
     std::istringstream in{std::string(line)};
     std::vector<std::string> cells;
     for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
-    if (cells.size() < 15 || cells[0] == "patient") continue;
+    if (cells.size() < 9 || cells[0] == "patient") continue;
     const auto number = [&](std::size_t n) { return std::stod(cells[n]); };
     OrganCase one;
     one.evidence = {.name = cells[3],
                     .edge_share = number(6),
-                    .barred_share = number(11),
-                    .covered_share = number(14)};
+                    .barred_share = number(7),
+                    .covered_share = number(8)};
     one.atlas = cells[2].substr(0, cells[2].find(" moved"));
     one.dice = number(5);
     one.is_sure = cells[4] == "0" && DoubtsIn(one.evidence).empty();
