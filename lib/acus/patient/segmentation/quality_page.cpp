@@ -132,9 +132,9 @@ void AddParts(const SegmentedPatient& patient, report::HtmlReport& page) {
          part.correct.starts_with("--") ? "acus-segment " + part.correct : part.correct});
   }
   page.Table({"part", "", "certainty", "why", "look at", "to correct it"}, rows,
-             "Sure: nothing that is checked speaks against it. Certainty: how many of such cases "
-             "had a Dice "
-             "of at least 0.8 with a reference");
+             Message("Sure: nothing that is checked speaks against it. Certainty: how many of such "
+                     "cases had a Dice of at least 0.8 with a reference; of organs from an atlas, ",
+                     kRightOrganDice));
 }
 
 void AddVolumes(const SegmentedPatient& patient, report::HtmlReport& page) {
